@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/geometry/se3.hpp"
+
+namespace graft {
+
+/// Poses with time stamps (s), in one fixed frame; times[i] belongs to poses[i].
+struct Trajectory {
+  std::vector<double> times;
+  std::vector<Pose> poses;
+  std::size_t size() const { return times.size(); }
+};
+
+/// Reads a TUM file: "timestamp x y z qx qy qz qw" a line, '#' comments.
+/// Stamps must rise strictly; quaternions are normalised (one whose length is
+/// off by more than 1 % is a warning, by more than a factor of 2 an error).
+/// Every defect goes to `diagnostics` with its line; the caller decides.
+Trajectory readTum(const std::string& path, Diagnostics& diagnostics);
+
+/// The same format with shortest round-trip numbers.
+std::string formatTum(const Trajectory& trajectory);
+
+}  // namespace graft
