@@ -35,6 +35,11 @@ struct SE2 {
   SE2(const T& x_, const T& y_, const T& theta_) : x(x_), y(y_), theta(theta_) {}
 
   static SE2 fromArray(const double* p) { return SE2(T(p[0]), T(p[1]), T(p[2])); }
+  /// The same constant in another scalar, e.g. Dual.
+  template <class U>
+  SE2<U> cast() const {
+    return SE2<U>(U(x), U(y), U(theta));
+  }
   void toArray(double* p) const {
     p[0] = valueOf(x);
     p[1] = valueOf(y);

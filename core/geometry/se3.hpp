@@ -27,6 +27,11 @@ struct SE3 {
     return SE3(Vec<T, 3>(T(p[0]), T(p[1]), T(p[2])),
                Eigen::Quaternion<T>(T(p[6]), T(p[3]), T(p[4]), T(p[5])));
   }
+  /// The same constant in another scalar, e.g. Dual.
+  template <class U>
+  SE3<U> cast() const {
+    return SE3<U>(translation.template cast<U>(), rotation.template cast<U>());
+  }
   void toArray(double* p) const {
     for (int i = 0; i < 3; ++i) p[i] = valueOf(translation[i]);
     p[3] = valueOf(rotation.x());

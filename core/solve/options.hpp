@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "core/graph/values.hpp"
+
+namespace graft {
+
+enum class Algorithm { kLevenbergMarquardt, kGaussNewton, kDogleg };
+enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal };
+
+/// One line of the log: what an iteration did.
+struct IterationRecord {
+  int iteration = 0;        ///< 0 = the state before the first step
+  double chi2 = 0;          ///< after the iteration
+  double chi2_change = 0;   ///< old minus new, 0 if the step was refused
+  double gradient_max = 0;  ///< largest |J' W r| before the step
+  double step_norm = 0;     ///< length of the tangent step
+  double damping = 0;       ///< lambda used
+  bool accepted = true;
+  int linear_solves = 0;  ///< factorisations in this iteration
+  std::int64_t associations_changed = 0;
+  double seconds = 0;  ///< since the start of the solve
+};
+
+struct SolveOptions {
+  Algorithm algorithm = Algorithm::kLevenbergMarquardt;
+  InitialGuess initial_guess = InitialGuess::kAuto;
+  std::string linear_solver = "block";
+  int iterations = 100;
+  int threads = 0;        ///< 0 = all processors; results do not depend on it
+  double time_limit = 0;  ///< seconds, 0 = none; checked between iterations
+  /// Converged when an accepted step changes chi2 by less than this, relative.
+  double function_tolerance = 1e-10;
+  /// ... or when the step is shorter than this, relative to the estimates.
+  double step_tolerance = 1e-10;
+  /// ... or when every entry of the gradient is below this.
+  double gradient_tolerance = 1e-10;
+  double initial_damping = 1e-5;  ///< relative to the diagonal of J'WJ
+  /// Called with the state before the first step and after every iteration;
+  /// returning false stops the solve (status kInterrupted).
+  std::function<bool(const IterationRecord&, const Values&)> callback;
+  /// Polled between iterations; nonzero stops the solve.
+  const std::atomic<int>* interrupt = nullptr;
+
+  /// Empty, or which option has which value and violates what.
+  std::string validate() const;
+};
+
+}  // namespace graft

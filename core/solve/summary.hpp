@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/solve/options.hpp"
+
+namespace graft {
+
+/// What the caller holds after a solve. On kFailed the values are those before
+/// the call; on every other status they are the best accepted ones.
+enum class Status { kConverged, kIterationLimit, kTimeLimit, kInterrupted, kFailed };
+
+/// "converged", "iteration_limit", "time_limit", "interrupted", "failed".
+const char* statusName(Status status);
+
+struct Summary {
+  Status status = Status::kFailed;
+  std::string reason;
+  double chi2_initial = 0;  ///< at the values given
+  double chi2_start = 0;    ///< after the initial guess
+  double chi2_final = 0;
+  bool used_spanning_tree = false;
+  std::vector<IterationRecord> iterations;  ///< iterations.size() - 1 were made
+  std::int64_t associations_changed = 0;
+  /// Vertices that were held fixed because their component had no anchor, and
+  /// other remarks a user should read; one text each.
+  std::vector<std::string> notes;
+  std::string linear_solver;
+  std::string ordering;     ///< e.g. "amd" or "metis", by the predicted flops
+  double factor_flops = 0;  ///< predicted, one factorisation
+  int threads = 1;
+  double seconds_guess = 0;
+  double seconds_solve = 0;
+  /// Seconds by phase: analyze, linearize, factorize, solve, update, associate.
+  std::map<std::string, double> seconds_by_phase;
+  std::map<std::string, double> chi2_by_tag;  ///< at the final values
+
+  bool usable() const { return status != Status::kFailed; }
+  int iterationCount() const { return iterations.empty() ? 0 : int(iterations.size()) - 1; }
+};
+
+}  // namespace graft
