@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "core/io/trajectory.hpp"
+#include "types_lfd/demo/task.hpp"
+
+namespace graft::lfd {
+
+/// Three tracks of one demonstration in the fixed frame (map, z up), each with
+/// its own stamps (s).
+struct Demonstration {
+  std::string name;
+  Trajectory hand;
+  Trajectory object;
+  Trajectory torso;  ///< empty if not recorded
+};
+
+/// Span [first, last] of stamps, s.
+struct TimeSpan {
+  double first = 0;
+  double last = 0;
+};
+
+/// Span of a track; the track must not be empty.
+TimeSpan spanOf(const Trajectory& track);
+/// The span that all tracks of the demonstration cover; first > last if none.
+TimeSpan commonSpan(const Demonstration& demonstration);
+/// "hand covers 1.5 to 9 s, object covers ...", for messages.
+std::string describeSpans(const Demonstration& demonstration);
+
+/// Reads the tracks of one demonstration and applies its hand_offset (hand pose
+/// times marker_T_palm). Defects go to `diagnostics`: a file that is missing or
+/// rejected by name, tracks that do not overlap with the intervals of all.
+Demonstration readDemonstration(const DemonstrationSpec& spec, Diagnostics& diagnostics);
+
+/// The same for all demonstrations of a task, in its order.
+std::vector<Demonstration> readDemonstrations(const Task& task, Diagnostics& diagnostics);
+
+}  // namespace graft::lfd
