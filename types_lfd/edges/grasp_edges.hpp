@@ -85,7 +85,7 @@ struct GraspQualityEdge : Edge<GraspQualityEdge, 6, SE3>, Associated<9>, Using<G
     for (std::size_t i = 0; i < grasps.size(); ++i) {
       for (const bool turned : {false, true}) {
         const Pose pose =
-            turned ? turnedAboutApproach(grasps[i].object_T_gripper) : grasps[i].object_T_gripper;
+            turned ? flippedGrasp(grasps[i].object_T_gripper) : grasps[i].object_T_gripper;
         const Vec<double, 6> e = poseError(object_T_gripper.inverse() * pose);
         const double cost = e.dot(information * e);
         if (best_index < 0 || cost < best) {
