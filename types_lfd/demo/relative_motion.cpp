@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "types_lfd/demo/statistics.hpp"
+
 namespace graft::lfd {
 
 namespace {
@@ -13,6 +15,10 @@ constexpr double kRestWindow = 0.3;
 // Tuples in a row that have to agree before a change counts: one outlier that
 // cleaning missed must not start a segment.
 constexpr std::size_t kAgreeing = 3;
+constexpr double kGapIntervals = 2.5;
+constexpr double kNoiseFactor = 5;
+constexpr double kOnset = 1.0 / 6;
+constexpr double kClearShare = 0.2;
 
 /// Pose in the middle of a set: medians of translation, and of the rotation
 /// vectors relative to the first.
@@ -31,10 +37,15 @@ Pose medianPose(const std::vector<Pose>& poses, std::size_t first, std::size_t l
   return Pose(middle.head<3>(), poses[first].rotation * expSO3<double>(middle.tail<3>()));
 }
 
-/// How far each pose is from a reference, in units in which 1 counts as moved.
-std::vector<double> displacement(const std::vector<Pose>& poses, const Pose& reference,
-                                 std::size_t rest_first, std::size_t rest_last, double distance,
-                                 double angle) {
+/// How far each pose is from where the object rests at the begin of `poses`.
+struct Displacement {
+  std::vector<double> away;  ///< 1 counts as moved
+  double onset = 0;          ///< above this it is more than noise
+};
+
+Displacement displacement(const std::vector<Pose>& poses, std::size_t rest_last, double distance,
+                          double angle) {
+  const Pose reference = medianPose(poses, 0, rest_last);
   std::vector<double> shift(poses.size());
   std::vector<double> turn(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -42,27 +53,34 @@ std::vector<double> displacement(const std::vector<Pose>& poses, const Pose& ref
     turn[i] = rotationAngle(reference.rotation.conjugate() * poses[i].rotation);
   }
   const auto noise = [&](const std::vector<double>& values) {
-    return medianOf(
-        std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(rest_first),
-                            values.begin() + static_cast<std::ptrdiff_t>(rest_last) + 1));
+    const auto end = values.begin() + static_cast<std::ptrdiff_t>(rest_last) + 1;
+    return kNoiseFactor / kMedianChi3 * medianOf(std::vector<double>(values.begin(), end));
   };
-  // The median length of a noise vector is 1.54 sigma per axis; 5 sigma.
-  const double shift_unit = std::max(distance, 5 / 1.538 * noise(shift));
-  const double turn_unit = std::max(angle, 5 / 1.538 * noise(turn));
+  const double shift_unit = std::max(distance, noise(shift));
+  const double turn_unit = std::max(angle, noise(turn));
+  Displacement result;
+  result.onset = std::max({kOnset, noise(shift) / shift_unit, noise(turn) / turn_unit});
+  result.away.resize(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    shift[i] = std::max(shift[i] / shift_unit, turn[i] / turn_unit);
+    result.away[i] = std::max(shift[i] / shift_unit, turn[i] / turn_unit);
   }
-  return shift;
+  return result;
 }
 
-/// First index from which on `kAgreeing` values in a row exceed 1; size if none.
-std::size_t firstSustained(const std::vector<double>& values) {
+/// Index at which the motion away from rest shows first; size if there is none.
+std::size_t motionOnset(const Displacement& displacement) {
+  const std::vector<double>& away = displacement.away;
+  const double furthest = *std::max_element(away.begin(), away.end());
+  const double clear = std::max(1.0, kClearShare * furthest);
   std::size_t agreeing = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    agreeing = values[i] > 1 ? agreeing + 1 : 0;
-    if (agreeing == kAgreeing) return i + 1 - kAgreeing;
+  for (std::size_t i = 0; i < away.size(); ++i) {
+    agreeing = away[i] > clear ? agreeing + 1 : 0;
+    if (agreeing < kAgreeing) continue;
+    std::size_t onset = i + 1 - kAgreeing;
+    while (onset > 0 && away[onset - 1] > displacement.onset) --onset;
+    return onset;
   }
-  return values.size();
+  return away.size();
 }
 
 /// Longest run of tuples whose distance stays below `limit`, measured by how
@@ -95,14 +113,26 @@ void growRun(const std::vector<double>& distance, double limit, ContactRun& cont
   }
 }
 
-}  // namespace
-
-double medianOf(std::vector<double> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  if (values.size() % 2 == 1) return *half;
-  return 0.5 * (*half + *std::max_element(values.begin(), half));
+/// Clears the tuples that a track covers only by interpolation across a gap.
+void clearGaps(const std::vector<double>& times, const MatchedTrack& track,
+               std::vector<char>& seen) {
+  std::vector<std::size_t> measured;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (track.measured[i] != 0) measured.push_back(i);
+  }
+  if (measured.size() < 2) return;
+  std::vector<double> intervals;
+  for (std::size_t k = 1; k < measured.size(); ++k) {
+    intervals.push_back(times[measured[k]] - times[measured[k - 1]]);
+  }
+  const double longest = kGapIntervals * medianOf(intervals);
+  for (std::size_t k = 1; k < measured.size(); ++k) {
+    if (intervals[k - 1] <= longest) continue;
+    for (std::size_t i = measured[k - 1] + 1; i < measured[k]; ++i) seen[i] = 0;
+  }
 }
+
+}  // namespace
 
 std::vector<Eigen::Vector3d> handInObject(const MatchedDemonstration& matched) {
   std::vector<Eigen::Vector3d> points(matched.size());
@@ -112,22 +142,30 @@ std::vector<Eigen::Vector3d> handInObject(const MatchedDemonstration& matched) {
   return points;
 }
 
+std::vector<char> seenTuples(const MatchedDemonstration& matched) {
+  std::vector<char> seen(matched.size(), 1);
+  clearGaps(matched.times, matched.hand, seen);
+  clearGaps(matched.times, matched.object, seen);
+  return seen;
+}
+
 ContactRun findContact(const MatchedDemonstration& matched, double distance, double angle) {
   ContactRun contact;
   const std::size_t n = matched.size();
   const std::vector<Pose>& object = matched.object.poses;
-  std::size_t head = 0;
-  while (head + 1 < n && matched.times[head + 1] <= matched.times[0] + kRestWindow) ++head;
-  std::size_t tail = n - 1;
-  while (tail > 0 && matched.times[tail - 1] >= matched.times[n - 1] - kRestWindow) --tail;
-
-  std::vector<double> away =
-      displacement(object, medianPose(object, 0, head), 0, head, distance, angle);
-  contact.motion_first = firstSustained(away);
-  std::vector<double> to_go =
-      displacement(object, medianPose(object, tail, n - 1), tail, n - 1, distance, angle);
-  std::reverse(to_go.begin(), to_go.end());
-  const std::size_t from_end = firstSustained(to_go);
+  const auto restLast = [&](bool forward) {
+    std::size_t k = 0;
+    while (k + 1 < n &&
+           (forward ? matched.times[k + 1] - matched.times[0]
+                    : matched.times[n - 1] - matched.times[n - 2 - k]) <= kRestWindow) {
+      ++k;
+    }
+    return k;
+  };
+  contact.motion_first = motionOnset(displacement(object, restLast(true), distance, angle));
+  const std::vector<Pose> reversed(object.rbegin(), object.rend());
+  const std::size_t from_end =
+      motionOnset(displacement(reversed, restLast(false), distance, angle));
   if (contact.motion_first == n || from_end == n) return contact;
   contact.motion_last = n - 1 - from_end;
   if (contact.motion_last <= contact.motion_first) return contact;
@@ -147,7 +185,7 @@ ContactRun findContact(const MatchedDemonstration& matched, double distance, dou
       medianOf(std::vector<double>(
           from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_first),
           from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_last) + 1)) /
-      1.538;
+      kMedianChi3;
   // Three sigma of a 3-D distance (99.97 % is at 4.3); below 1 cm it is the
   // palm that gives way, not the hand that leaves.
   growRun(from_contact, std::max(0.01, 4.3 * contact.spread), contact);
