@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "types_lfd/demo/accuracy.hpp"
 #include "types_lfd/demo/statistics.hpp"
 
 namespace graft::lfd {
@@ -12,6 +13,7 @@ namespace {
 
 // Time at rest over which the object's first and last pose are averaged, s.
 constexpr double kRestWindow = 0.3;
+constexpr std::size_t kFewestAtRest = 5;
 // Tuples in a row that have to agree before a change counts: one outlier that
 // cleaning missed must not start a segment.
 constexpr std::size_t kAgreeing = 3;
@@ -37,32 +39,36 @@ Pose medianPose(const std::vector<Pose>& poses, std::size_t first, std::size_t l
   return Pose(middle.head<3>(), poses[first].rotation * expSO3<double>(middle.tail<3>()));
 }
 
+/// White noise of the object's track; none where it is too short to tell.
+TrackerAccuracy objectNoise(const MatchedDemonstration& matched) {
+  Trajectory measured;
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    if (matched.object.measured[i] == 0) continue;
+    measured.times.push_back(matched.times[i]);
+    measured.poses.push_back(matched.object.poses[i]);
+  }
+  return measured.size() < 5 ? TrackerAccuracy() : estimateAccuracy(measured);
+}
+
 /// How far each pose is from where the object rests at the begin of `poses`.
 struct Displacement {
   std::vector<double> away;  ///< 1 counts as moved
   double onset = 0;          ///< above this it is more than noise
 };
 
-Displacement displacement(const std::vector<Pose>& poses, std::size_t rest_last, double distance,
-                          double angle) {
+Displacement displacement(const std::vector<Pose>& poses, std::size_t rest_last,
+                          const TrackerAccuracy& noise, double distance, double angle) {
   const Pose reference = medianPose(poses, 0, rest_last);
-  std::vector<double> shift(poses.size());
-  std::vector<double> turn(poses.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    shift[i] = (poses[i].translation - reference.translation).norm();
-    turn[i] = rotationAngle(reference.rotation.conjugate() * poses[i].rotation);
-  }
-  const auto noise = [&](const std::vector<double>& values) {
-    const auto end = values.begin() + static_cast<std::ptrdiff_t>(rest_last) + 1;
-    return kNoiseFactor / kMedianChi3 * medianOf(std::vector<double>(values.begin(), end));
-  };
-  const double shift_unit = std::max(distance, noise(shift));
-  const double turn_unit = std::max(angle, noise(turn));
+  const double shift_noise = kNoiseFactor * noise.sigma_t;
+  const double turn_noise = kNoiseFactor * noise.sigma_r;
+  const double shift_unit = std::max(distance, shift_noise);
+  const double turn_unit = std::max(angle, turn_noise);
   Displacement result;
-  result.onset = std::max({kOnset, noise(shift) / shift_unit, noise(turn) / turn_unit});
-  result.away.resize(poses.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    result.away[i] = std::max(shift[i] / shift_unit, turn[i] / turn_unit);
+  result.onset = std::max({kOnset, shift_noise / shift_unit, turn_noise / turn_unit});
+  for (const Pose& pose : poses) {
+    const double shift = (pose.translation - reference.translation).norm();
+    const double turn = rotationAngle(reference.rotation.conjugate() * pose.rotation);
+    result.away.push_back(std::max(shift / shift_unit, turn / turn_unit));
   }
   return result;
 }
@@ -153,19 +159,21 @@ ContactRun findContact(const MatchedDemonstration& matched, double distance, dou
   ContactRun contact;
   const std::size_t n = matched.size();
   const std::vector<Pose>& object = matched.object.poses;
+  const TrackerAccuracy noise = objectNoise(matched);
+  // Last index, counted from either end, that belongs to the rest there.
   const auto restLast = [&](bool forward) {
+    const auto elapsed = [&](std::size_t k) {
+      return forward ? matched.times[k] - matched.times[0]
+                     : matched.times[n - 1] - matched.times[n - 1 - k];
+    };
     std::size_t k = 0;
-    while (k + 1 < n &&
-           (forward ? matched.times[k + 1] - matched.times[0]
-                    : matched.times[n - 1] - matched.times[n - 2 - k]) <= kRestWindow) {
-      ++k;
-    }
+    while (k + 1 < n && (k + 1 < kFewestAtRest || elapsed(k + 1) <= kRestWindow)) ++k;
     return k;
   };
-  contact.motion_first = motionOnset(displacement(object, restLast(true), distance, angle));
+  contact.motion_first = motionOnset(displacement(object, restLast(true), noise, distance, angle));
   const std::vector<Pose> reversed(object.rbegin(), object.rend());
   const std::size_t from_end =
-      motionOnset(displacement(reversed, restLast(false), distance, angle));
+      motionOnset(displacement(reversed, restLast(false), noise, distance, angle));
   if (contact.motion_first == n || from_end == n) return contact;
   contact.motion_last = n - 1 - from_end;
   if (contact.motion_last <= contact.motion_first) return contact;
@@ -186,7 +194,7 @@ ContactRun findContact(const MatchedDemonstration& matched, double distance, dou
           from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_first),
           from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_last) + 1)) /
       kMedianChi3;
-  // Three sigma of a 3-D distance (99.97 % is at 4.3); below 1 cm it is the
+  // 4.3 sigma hold 99.97 % of the lengths of 3-D vectors; below 1 cm it is the
   // palm that gives way, not the hand that leaves.
   growRun(from_contact, std::max(0.01, 4.3 * contact.spread), contact);
   return contact;

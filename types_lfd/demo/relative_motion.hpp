@@ -33,8 +33,8 @@ std::vector<Eigen::Vector3d> handInObject(const MatchedDemonstration& matched);
 std::vector<char> seenTuples(const MatchedDemonstration& matched);
 
 /// Finds the contact run. The object counts as moved where it is away from its
-/// first pose (median of the first 0.3 s) by `distance` m or `angle` rad, or by
-/// five times its own noise where that is more. When that motion begins is
+/// first pose (median of the first 0.3 s, at least 5 tuples) by `distance` m or `angle` rad, or by
+/// five times its white noise where that is more. When that motion begins is
 /// traced back to a sixth of it (again at least five times the noise) from
 /// where a fifth of the whole way is done, so that a burst of noise while the
 /// object rests begins nothing; its end likewise in reverse.
