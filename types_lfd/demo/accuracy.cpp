@@ -5,25 +5,14 @@
 #include <cmath>
 #include <vector>
 
+#include "types_lfd/demo/statistics.hpp"
+
 namespace graft::lfd {
 
 namespace {
 
-// Median of the length of a 3-D vector of unit normal components: the median of
-// the chi distribution with 3 degrees of freedom.
-constexpr double kMedianChi3 = 1.5381722544550522;
 constexpr double kLeastSigmaT = 1e-4;
 constexpr double kLeastSigmaR = 1e-3;
-
-double median(std::vector<double> values) {
-  const std::size_t half = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half),
-                   values.end());
-  if (values.size() % 2 == 1) return values[half];
-  const double upper = values[half];
-  return 0.5 * (upper + *std::max_element(values.begin(),
-                                          values.begin() + static_cast<std::ptrdiff_t>(half)));
-}
 
 }  // namespace
 
@@ -45,8 +34,8 @@ TrackerAccuracy estimateAccuracy(const Trajectory& track) {
     translation.push_back(scale * residual.head<3>().norm());
     rotation.push_back(scale * residual.tail<3>().norm());
   }
-  return {std::max(kLeastSigmaT, median(translation) / kMedianChi3),
-          std::max(kLeastSigmaR, median(rotation) / kMedianChi3)};
+  return {std::max(kLeastSigmaT, medianOf(translation) / kMedianChi3),
+          std::max(kLeastSigmaR, medianOf(rotation) / kMedianChi3)};
 }
 
 }  // namespace graft::lfd
