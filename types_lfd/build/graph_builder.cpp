@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/base/text.hpp"
-#include "core/geometry/se2.hpp"
 
 namespace graft::lfd {
 
@@ -232,6 +231,11 @@ Pose2 uprightBase(const Pose& world_T_torso) {
   const Vec<double, 3> forward = world_T_torso.rotation * Vec<double, 3>(1, 0, 0);
   return Pose2(world_T_torso.translation[0], world_T_torso.translation[1],
                std::atan2(forward[1], forward[0]));
+}
+
+Pose floorPose(const Pose2& world_T_base) {
+  return Pose(Vec<double, 3>(world_T_base.x, world_T_base.y, 0),
+              expSO3<double>(Vec<double, 3>(0, 0, world_T_base.theta)));
 }
 
 GraphDescription buildGraph(const PreparedTask& task, const ResourceFiles& files) {

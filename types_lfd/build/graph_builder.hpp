@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/se2.hpp"
 #include "types_lfd/build/graph_description.hpp"
 #include "types_lfd/build/prepare.hpp"
 
@@ -38,6 +39,9 @@ struct ResourceFiles {
 
 /// The upright floor pose under a torso: x, y, and the heading of its x axis.
 Pose2 uprightBase(const Pose& world_T_torso);
+
+/// base_link on the floor in space: z = 0, upright.
+Pose floorPose(const Pose2& world_T_base);
 
 /// Builds the hypergraph over all demonstrations (paper, section IV; edges E1 to
 /// E10 and the priors of docs): initial estimates are the matched poses, the
