@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/text.hpp"
 #include "types_lfd/demo/statistics.hpp"
 
 namespace graft::lfd {
@@ -36,6 +37,36 @@ TrackerAccuracy estimateAccuracy(const Trajectory& track) {
   }
   return {std::max(kLeastSigmaT, medianOf(translation) / kMedianChi3),
           std::max(kLeastSigmaR, medianOf(rotation) / kMedianChi3)};
+}
+
+std::map<std::string, TrackerAccuracy> trackerAccuracies(
+    const Task& task, const std::vector<Demonstration>& demonstrations, Diagnostics& diagnostics) {
+  std::map<std::string, TrackerAccuracy> accuracies = task.trackers;
+  const std::pair<const char*, Trajectory Demonstration::*> entities[] = {
+      {"hand", &Demonstration::hand},
+      {"object", &Demonstration::object},
+      {"torso", &Demonstration::torso}};
+  for (const auto& [entity, track] : entities) {
+    if (accuracies.count(entity) != 0) continue;
+    double sum_t = 0;
+    double sum_r = 0;
+    double count = 0;
+    for (const Demonstration& demonstration : demonstrations) {
+      if ((demonstration.*track).size() == 0) continue;
+      const TrackerAccuracy one = estimateAccuracy(demonstration.*track);
+      sum_t += one.sigma_t * one.sigma_t;
+      sum_r += one.sigma_r * one.sigma_r;
+      count += 1;
+    }
+    if (count == 0) continue;
+    const TrackerAccuracy pooled{std::sqrt(sum_t / count), std::sqrt(sum_r / count)};
+    accuracies[entity] = pooled;
+    diagnostics.note({task.path, 0, 0}, std::string("no <tracker> for '") + entity +
+                                            "': its accuracy is estimated from the tracks as " +
+                                            formatDouble(pooled.sigma_t) + " m, " +
+                                            formatDouble(pooled.sigma_r) + " rad");
+  }
+  return accuracies;
 }
 
 }  // namespace graft::lfd
