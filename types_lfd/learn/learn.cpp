@@ -227,7 +227,7 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   const ResourceFiles files = writeSceneFiles(result.task.task, result.scene, resource_directory);
   LoadedGraph loaded = assemble(buildGraph(result.task, files), resource_directory + "/graph.g2o",
                                 registry, diagnostics);
-  result.graph = formatGraph(loaded.graph, loaded.values);
+  result.graph = formatG2o(loaded.graph, loaded.values);
   for (const PreparedDemonstration& demo : result.task.demonstrations) {
     result.before.push_back(estimateFromInput(demo));
   }
@@ -239,7 +239,7 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   const Extractor extractor(result, loaded.graph);
   runOptimizer(loaded, registry, options, extractor, phases, result);
   result.after = extractor.demonstrations(loaded.values);
-  result.graph_optimized = formatGraph(loaded.graph, loaded.values);
+  result.graph_optimized = formatG2o(loaded.graph, loaded.values);
 
   phases.begin("evaluate");
   result.table_after = computeTable1(result.after, scene, false);
