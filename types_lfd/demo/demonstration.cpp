@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/base/text.hpp"
+#include "types_lfd/demo/statistics.hpp"
 
 namespace graft::lfd {
 
@@ -50,6 +51,22 @@ std::string describeSpans(const Demonstration& demonstration) {
   add("object", demonstration.object);
   add("torso", demonstration.torso);
   return text;
+}
+
+TrackSummary summarize(const Trajectory& track) {
+  TrackSummary summary;
+  summary.poses = track.size();
+  const TimeSpan span = spanOf(track);
+  summary.duration = span.last - span.first;
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < track.size(); ++i) {
+    intervals.push_back(track.times[i] - track.times[i - 1]);
+    if (intervals.back() <= summary.longest_gap) continue;
+    summary.longest_gap = intervals.back();
+    summary.gap_start = track.times[i - 1];
+  }
+  summary.median_interval = medianOf(std::move(intervals));
+  return summary;
 }
 
 Demonstration readDemonstration(const DemonstrationSpec& spec, Diagnostics& diagnostics) {
