@@ -18,6 +18,7 @@ set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(GRAFT_PLUGIN_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib/graft/plugins")
 
 include(GNUInstallDirs)
+set(GRAFT_PLUGIN_INSTALL_DIR "${CMAKE_INSTALL_LIBDIR}/graft/plugins")
 
 option(GRAFT_WERROR "Treat warnings as errors" OFF)
 set(GRAFT_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")

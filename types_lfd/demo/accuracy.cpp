@@ -5,25 +5,15 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/text.hpp"
+#include "types_lfd/demo/statistics.hpp"
+
 namespace graft::lfd {
 
 namespace {
 
-// Median of the length of a 3-D vector of unit normal components: the median of
-// the chi distribution with 3 degrees of freedom.
-constexpr double kMedianChi3 = 1.5381722544550522;
 constexpr double kLeastSigmaT = 1e-4;
 constexpr double kLeastSigmaR = 1e-3;
-
-double median(std::vector<double> values) {
-  const std::size_t half = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half),
-                   values.end());
-  if (values.size() % 2 == 1) return values[half];
-  const double upper = values[half];
-  return 0.5 * (upper + *std::max_element(values.begin(),
-                                          values.begin() + static_cast<std::ptrdiff_t>(half)));
-}
 
 }  // namespace
 
@@ -45,8 +35,38 @@ TrackerAccuracy estimateAccuracy(const Trajectory& track) {
     translation.push_back(scale * residual.head<3>().norm());
     rotation.push_back(scale * residual.tail<3>().norm());
   }
-  return {std::max(kLeastSigmaT, median(translation) / kMedianChi3),
-          std::max(kLeastSigmaR, median(rotation) / kMedianChi3)};
+  return {std::max(kLeastSigmaT, medianOf(translation) / kMedianChi3),
+          std::max(kLeastSigmaR, medianOf(rotation) / kMedianChi3)};
+}
+
+std::map<std::string, TrackerAccuracy> trackerAccuracies(
+    const Task& task, const std::vector<Demonstration>& demonstrations, Diagnostics& diagnostics) {
+  std::map<std::string, TrackerAccuracy> accuracies = task.trackers;
+  const std::pair<const char*, Trajectory Demonstration::*> entities[] = {
+      {"hand", &Demonstration::hand},
+      {"object", &Demonstration::object},
+      {"torso", &Demonstration::torso}};
+  for (const auto& [entity, track] : entities) {
+    if (accuracies.count(entity) != 0) continue;
+    double sum_t = 0;
+    double sum_r = 0;
+    double count = 0;
+    for (const Demonstration& demonstration : demonstrations) {
+      if ((demonstration.*track).size() == 0) continue;
+      const TrackerAccuracy one = estimateAccuracy(demonstration.*track);
+      sum_t += one.sigma_t * one.sigma_t;
+      sum_r += one.sigma_r * one.sigma_r;
+      count += 1;
+    }
+    if (count == 0) continue;
+    const TrackerAccuracy pooled{std::sqrt(sum_t / count), std::sqrt(sum_r / count)};
+    accuracies[entity] = pooled;
+    diagnostics.note({task.path, 0, 0}, std::string("no <tracker> for '") + entity +
+                                            "': its accuracy is estimated from the tracks as " +
+                                            formatDouble(pooled.sigma_t) + " m, " +
+                                            formatDouble(pooled.sigma_r) + " rad");
+  }
+  return accuracies;
 }
 
 }  // namespace graft::lfd

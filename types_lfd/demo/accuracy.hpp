@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
 #include "core/io/trajectory.hpp"
+#include "types_lfd/demo/demonstration.hpp"
 #include "types_lfd/demo/task.hpp"
 
 namespace graft::lfd {
@@ -15,5 +21,11 @@ namespace graft::lfd {
 /// weight also for a track without noise. Throws Error(kInput) for a track of
 /// fewer than 5 poses.
 TrackerAccuracy estimateAccuracy(const Trajectory& track);
+
+/// Accuracy per entity ("hand", "object", and "torso" where it was recorded):
+/// the task's <tracker> where there is one, else estimated per track and pooled
+/// over the demonstrations (quadratic mean), with a note to `diagnostics`.
+std::map<std::string, TrackerAccuracy> trackerAccuracies(
+    const Task& task, const std::vector<Demonstration>& demonstrations, Diagnostics& diagnostics);
 
 }  // namespace graft::lfd

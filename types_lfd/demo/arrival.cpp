@@ -41,7 +41,8 @@ double minimumJerkToGo(double rest) {
 }
 
 double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options) {
-  if (samples.times.size() < 5) return samples.edge;
+  const double otherwise = std::min(samples.edge, samples.latest);
+  if (samples.times.size() < 5 || samples.latest <= samples.times.front()) return otherwise;
   std::vector<double> moments;
   std::vector<double> costs;
   double best = std::numeric_limits<double>::infinity();
@@ -57,14 +58,16 @@ double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options) 
     costs.push_back(cost);
     best = std::min(best, cost);
   }
-  // One standard deviation: the log likelihood falls by 1/2. With sigma^2
-  // estimated from the fit itself (3 numbers a sample, 8 parameters).
+  // Two standard deviations: minus twice the log likelihood rises by 4. Sigma^2
+  // is what the fit leaves (3 numbers a sample, 8 parameters), at least that of
+  // the soft hand.
   const double freedom = std::max(1.0, 3.0 * static_cast<double>(samples.times.size()) - 8.0);
-  const double limit = best * (1 + 1 / freedom);
+  const double variance = std::max(best / freedom, options.softness * options.softness);
+  const double limit = best + 4 * variance;
   for (std::size_t i = 0; i < moments.size(); ++i) {
     if (costs[i] <= limit) return moments[i];
   }
-  return samples.edge;
+  return otherwise;
 }
 
 }  // namespace graft::lfd

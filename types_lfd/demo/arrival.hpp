@@ -23,8 +23,8 @@ double minimumJerkToGo(double rest);
 
 /// Clock of the arrival: least squares fit of
 ///   p(t) = c + a minimumJerkToGo((g - t) / T) before g, c from g on
-/// over g, T, c and a. Of all g that fit as well as the best up to one standard
-/// deviation the earliest.
+/// over g, T, c and a. Of all g that fit as well as the best up to two
+/// standard deviations the earliest.
 double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options);
 
 }  // namespace graft::lfd

@@ -17,6 +17,9 @@ struct Demonstration {
   Trajectory hand;
   Trajectory object;
   Trajectory torso;  ///< empty if not recorded
+  /// Stamps of poses that were dropped as outliers (clean.hpp), in any order:
+  /// they stay stamps of tuples, only the pose is interpolated.
+  std::vector<double> dropped_stamps;
 };
 
 /// Span [first, last] of stamps, s.

@@ -48,9 +48,10 @@ MatchedDemonstration matchTracks(const Demonstration& demonstration) {
 
   MatchedDemonstration matched;
   matched.name = demonstration.name;
-  for (const Trajectory* track :
-       {&demonstration.hand, &demonstration.object, &demonstration.torso}) {
-    for (const double time : track->times) {
+  for (const std::vector<double>* stamps :
+       {&demonstration.hand.times, &demonstration.object.times, &demonstration.torso.times,
+        &demonstration.dropped_stamps}) {
+    for (const double time : *stamps) {
       if (time >= common.first && time <= common.last) matched.times.push_back(time);
     }
   }

@@ -36,7 +36,8 @@ MatchedTrack resample(const Trajectory& track, const std::vector<double>& times)
 
 /// Brings the tracks of a demonstration to common stamps (paper, section III):
 /// the sorted union of all tracks' stamps within the span that all of them
-/// cover; stamps that are exactly equal become one. Nothing is extrapolated.
+/// cover (stamps of dropped outliers included, so that cleaning changes no
+/// tuple's time); stamps that are exactly equal become one. Nothing is extrapolated.
 /// A missing torso is estimated from the hand (torso.hpp) and flagged.
 /// Throws Error(kInput) naming the demonstration and the tracks' intervals
 /// where fewer than 2 tuples result.

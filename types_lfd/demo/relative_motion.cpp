@@ -4,15 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "types_lfd/demo/accuracy.hpp"
+#include "types_lfd/demo/statistics.hpp"
+
 namespace graft::lfd {
 
 namespace {
 
 // Time at rest over which the object's first and last pose are averaged, s.
 constexpr double kRestWindow = 0.3;
+constexpr std::size_t kFewestAtRest = 5;
 // Tuples in a row that have to agree before a change counts: one outlier that
 // cleaning missed must not start a segment.
 constexpr std::size_t kAgreeing = 3;
+constexpr double kGapIntervals = 2.5;
+constexpr double kNoiseFactor = 5;
+constexpr double kOnset = 1.0 / 6;
+constexpr double kClearShare = 0.2;
 
 /// Pose in the middle of a set: medians of translation, and of the rotation
 /// vectors relative to the first.
@@ -31,38 +39,54 @@ Pose medianPose(const std::vector<Pose>& poses, std::size_t first, std::size_t l
   return Pose(middle.head<3>(), poses[first].rotation * expSO3<double>(middle.tail<3>()));
 }
 
-/// How far each pose is from a reference, in units in which 1 counts as moved.
-std::vector<double> displacement(const std::vector<Pose>& poses, const Pose& reference,
-                                 std::size_t rest_first, std::size_t rest_last, double distance,
-                                 double angle) {
-  std::vector<double> shift(poses.size());
-  std::vector<double> turn(poses.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    shift[i] = (poses[i].translation - reference.translation).norm();
-    turn[i] = rotationAngle(reference.rotation.conjugate() * poses[i].rotation);
+/// White noise of the object's track; none where it is too short to tell.
+TrackerAccuracy objectNoise(const MatchedDemonstration& matched) {
+  Trajectory measured;
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    if (matched.object.measured[i] == 0) continue;
+    measured.times.push_back(matched.times[i]);
+    measured.poses.push_back(matched.object.poses[i]);
   }
-  const auto noise = [&](const std::vector<double>& values) {
-    return medianOf(
-        std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(rest_first),
-                            values.begin() + static_cast<std::ptrdiff_t>(rest_last) + 1));
-  };
-  // The median length of a noise vector is 1.54 sigma per axis; 5 sigma.
-  const double shift_unit = std::max(distance, 5 / 1.538 * noise(shift));
-  const double turn_unit = std::max(angle, 5 / 1.538 * noise(turn));
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    shift[i] = std::max(shift[i] / shift_unit, turn[i] / turn_unit);
-  }
-  return shift;
+  return measured.size() < 5 ? TrackerAccuracy() : estimateAccuracy(measured);
 }
 
-/// First index from which on `kAgreeing` values in a row exceed 1; size if none.
-std::size_t firstSustained(const std::vector<double>& values) {
-  std::size_t agreeing = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    agreeing = values[i] > 1 ? agreeing + 1 : 0;
-    if (agreeing == kAgreeing) return i + 1 - kAgreeing;
+/// How far each pose is from where the object rests at the begin of `poses`.
+struct Displacement {
+  std::vector<double> away;  ///< 1 counts as moved
+  double onset = 0;          ///< above this it is more than noise
+};
+
+Displacement displacement(const std::vector<Pose>& poses, std::size_t rest_last,
+                          const TrackerAccuracy& noise, double distance, double angle) {
+  const Pose reference = medianPose(poses, 0, rest_last);
+  const double shift_noise = kNoiseFactor * noise.sigma_t;
+  const double turn_noise = kNoiseFactor * noise.sigma_r;
+  const double shift_unit = std::max(distance, shift_noise);
+  const double turn_unit = std::max(angle, turn_noise);
+  Displacement result;
+  result.onset = std::max({kOnset, shift_noise / shift_unit, turn_noise / turn_unit});
+  for (const Pose& pose : poses) {
+    const double shift = (pose.translation - reference.translation).norm();
+    const double turn = rotationAngle(reference.rotation.conjugate() * pose.rotation);
+    result.away.push_back(std::max(shift / shift_unit, turn / turn_unit));
   }
-  return values.size();
+  return result;
+}
+
+/// Index at which the motion away from rest shows first; size if there is none.
+std::size_t motionOnset(const Displacement& displacement) {
+  const std::vector<double>& away = displacement.away;
+  const double furthest = *std::max_element(away.begin(), away.end());
+  const double clear = std::max(1.0, kClearShare * furthest);
+  std::size_t agreeing = 0;
+  for (std::size_t i = 0; i < away.size(); ++i) {
+    agreeing = away[i] > clear ? agreeing + 1 : 0;
+    if (agreeing < kAgreeing) continue;
+    std::size_t onset = i + 1 - kAgreeing;
+    while (onset > 0 && away[onset - 1] > displacement.onset) --onset;
+    return onset;
+  }
+  return away.size();
 }
 
 /// Longest run of tuples whose distance stays below `limit`, measured by how
@@ -95,14 +119,26 @@ void growRun(const std::vector<double>& distance, double limit, ContactRun& cont
   }
 }
 
-}  // namespace
-
-double medianOf(std::vector<double> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  if (values.size() % 2 == 1) return *half;
-  return 0.5 * (*half + *std::max_element(values.begin(), half));
+/// Clears the tuples that a track covers only by interpolation across a gap.
+void clearGaps(const std::vector<double>& times, const MatchedTrack& track,
+               std::vector<char>& seen) {
+  std::vector<std::size_t> measured;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (track.measured[i] != 0) measured.push_back(i);
+  }
+  if (measured.size() < 2) return;
+  std::vector<double> intervals;
+  for (std::size_t k = 1; k < measured.size(); ++k) {
+    intervals.push_back(times[measured[k]] - times[measured[k - 1]]);
+  }
+  const double longest = kGapIntervals * medianOf(intervals);
+  for (std::size_t k = 1; k < measured.size(); ++k) {
+    if (intervals[k - 1] <= longest) continue;
+    for (std::size_t i = measured[k - 1] + 1; i < measured[k]; ++i) seen[i] = 0;
+  }
 }
+
+}  // namespace
 
 std::vector<Eigen::Vector3d> handInObject(const MatchedDemonstration& matched) {
   std::vector<Eigen::Vector3d> points(matched.size());
@@ -112,22 +148,32 @@ std::vector<Eigen::Vector3d> handInObject(const MatchedDemonstration& matched) {
   return points;
 }
 
+std::vector<char> seenTuples(const MatchedDemonstration& matched) {
+  std::vector<char> seen(matched.size(), 1);
+  clearGaps(matched.times, matched.hand, seen);
+  clearGaps(matched.times, matched.object, seen);
+  return seen;
+}
+
 ContactRun findContact(const MatchedDemonstration& matched, double distance, double angle) {
   ContactRun contact;
   const std::size_t n = matched.size();
   const std::vector<Pose>& object = matched.object.poses;
-  std::size_t head = 0;
-  while (head + 1 < n && matched.times[head + 1] <= matched.times[0] + kRestWindow) ++head;
-  std::size_t tail = n - 1;
-  while (tail > 0 && matched.times[tail - 1] >= matched.times[n - 1] - kRestWindow) --tail;
-
-  std::vector<double> away =
-      displacement(object, medianPose(object, 0, head), 0, head, distance, angle);
-  contact.motion_first = firstSustained(away);
-  std::vector<double> to_go =
-      displacement(object, medianPose(object, tail, n - 1), tail, n - 1, distance, angle);
-  std::reverse(to_go.begin(), to_go.end());
-  const std::size_t from_end = firstSustained(to_go);
+  const TrackerAccuracy noise = objectNoise(matched);
+  // Last index, counted from either end, that belongs to the rest there.
+  const auto restLast = [&](bool forward) {
+    const auto elapsed = [&](std::size_t k) {
+      return forward ? matched.times[k] - matched.times[0]
+                     : matched.times[n - 1] - matched.times[n - 1 - k];
+    };
+    std::size_t k = 0;
+    while (k + 1 < n && (k + 1 < kFewestAtRest || elapsed(k + 1) <= kRestWindow)) ++k;
+    return k;
+  };
+  contact.motion_first = motionOnset(displacement(object, restLast(true), noise, distance, angle));
+  const std::vector<Pose> reversed(object.rbegin(), object.rend());
+  const std::size_t from_end =
+      motionOnset(displacement(reversed, restLast(false), noise, distance, angle));
   if (contact.motion_first == n || from_end == n) return contact;
   contact.motion_last = n - 1 - from_end;
   if (contact.motion_last <= contact.motion_first) return contact;
@@ -147,8 +193,8 @@ ContactRun findContact(const MatchedDemonstration& matched, double distance, dou
       medianOf(std::vector<double>(
           from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_first),
           from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_last) + 1)) /
-      1.538;
-  // Three sigma of a 3-D distance (99.97 % is at 4.3); below 1 cm it is the
+      kMedianChi3;
+  // 4.3 sigma hold 99.97 % of the lengths of 3-D vectors; below 1 cm it is the
   // palm that gives way, not the hand that leaves.
   growRun(from_contact, std::max(0.01, 4.3 * contact.spread), contact);
   return contact;

@@ -9,14 +9,11 @@
 
 namespace graft::lfd {
 
-/// Median of values; must not be empty.
-double medianOf(std::vector<double> values);
-
 /// Where the hand holds the object, coarsely: the run of tuples in which the
 /// hand stays at one point of the object while the object is moved.
 struct ContactRun {
   bool object_moved = false;     ///< false: nothing below is set
-  std::size_t motion_first = 0;  ///< tuples between which the object moves
+  std::size_t motion_first = 0;  ///< tuples at which the object's motion shows first, last
   std::size_t motion_last = 0;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< contact point in the object frame, m
   double spread = 0;      ///< robust sigma of the hand's distance to it while held, m
@@ -29,9 +26,18 @@ struct ContactRun {
 /// degrees), and a hand that turns on the handle still holds it.
 std::vector<Eigen::Vector3d> handInObject(const MatchedDemonstration& matched);
 
-/// Finds the contact run. The object counts as moved where it leaves its first
-/// pose (median of the first 0.3 s) by `distance` m or `angle` rad, or by five
-/// times its own noise where that is more.
+/// Per tuple 1 where hand and object are measured or interpolated between
+/// neighbouring samples, 0 where either is interpolated across an occlusion: a
+/// gap of more than 2.5 of the track's median intervals. A straight line across
+/// an occlusion looks like motion, or rest, that nobody saw.
+std::vector<char> seenTuples(const MatchedDemonstration& matched);
+
+/// Finds the contact run. The object counts as moved where it is away from its
+/// first pose (median of the first 0.3 s, at least 5 tuples) by `distance` m or `angle` rad, or by
+/// five times its white noise where that is more. When that motion begins is
+/// traced back to a sixth of it (again at least five times the noise) from
+/// where a fifth of the whole way is done, so that a burst of noise while the
+/// object rests begins nothing; its end likewise in reverse.
 ContactRun findContact(const MatchedDemonstration& matched, double distance, double angle);
 
 }  // namespace graft::lfd

@@ -34,8 +34,9 @@ std::size_t nearestTuple(const MatchedDemonstration& matched, double time, const
 /// The hand's way to the contact in one direction of time, as arrival.hpp wants
 /// it: clock runs forward to the contact for the grasp, backward for release.
 ArrivalSamples samplesTowards(const MatchedDemonstration& matched,
-                              const std::vector<Eigen::Vector3d>& points, const ContactRun& contact,
-                              bool grasp, const SegmentOptions& options) {
+                              const std::vector<Eigen::Vector3d>& points,
+                              const std::vector<char>& seen, const ContactRun& contact, bool grasp,
+                              const SegmentOptions& options) {
   const std::size_t n = matched.size();
   const auto index = [&](std::size_t k) { return grasp ? k : n - 1 - k; };
   const auto clock = [&](std::size_t k) {
@@ -61,10 +62,13 @@ ArrivalSamples samplesTowards(const MatchedDemonstration& matched,
   for (std::size_t k = start; k <= far; ++k) {
     if (clock(k) > clock(edge) + options.settle && clock(k) > middle) break;
     if (clock(k) > clock(edge) + 2 * options.settle) break;
+    if (seen[index(k)] == 0) continue;
     samples.times.push_back(clock(k));
     samples.points.push_back(points[index(k)]);
   }
-  samples.latest = std::min(middle, clock(edge) + options.settle);
+  // What moves is held: contact is not later than the object's first motion.
+  const std::size_t onset = grasp ? contact.motion_first : n - 1 - contact.motion_last;
+  samples.latest = std::min({middle, clock(edge) + options.settle, clock(onset)});
   return samples;
 }
 
@@ -83,12 +87,13 @@ Segmentation segmentDemonstration(const MatchedDemonstration& matched,
                       formatDouble(options.moved_angle) + " rad)");
   }
   const std::vector<Eigen::Vector3d> points = handInObject(matched);
+  const std::vector<char> seen = seenTuples(matched);
   if (!grasp_time) {
     if (contact.first == 0) {
       fail(matched, "the hand holds the object from the first tuple on; no reaching was recorded");
     }
     const double clock =
-        fitArrival(samplesTowards(matched, points, contact, true, options), options);
+        fitArrival(samplesTowards(matched, points, seen, contact, true, options), options);
     segments.grasp = nearestTuple(
         matched,
         std::clamp(matched.times.front() + clock, matched.times.front(), matched.times.back()),
@@ -99,7 +104,7 @@ Segmentation segmentDemonstration(const MatchedDemonstration& matched,
       segments.release = contact.last;
     } else {
       const double clock =
-          fitArrival(samplesTowards(matched, points, contact, false, options), options);
+          fitArrival(samplesTowards(matched, points, seen, contact, false, options), options);
       segments.release = nearestTuple(
           matched,
           std::clamp(matched.times.back() - clock, matched.times.front(), matched.times.back()),

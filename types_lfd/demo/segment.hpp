@@ -25,7 +25,8 @@ struct SegmentOptions {
   double settle = 1.0;           ///< time in which the hand's place on the object is constant, s
   double shortest = 0.4;         ///< shortest and longest duration of a reach, s
   double longest = 4.0;
-  double step = 0.02;  ///< step of the search for the moment of contact, s
+  double softness = 0.005;  ///< what a palm gives way on a handle, sigma, m
+  double step = 0.02;       ///< step of the search for the moment of contact, s
 };
 
 /// Finds when the hand takes and lets go of the object.
@@ -38,7 +39,7 @@ struct SegmentOptions {
 /// noise. So the distance profile of such a movement (its second half, after
 /// peak speed), followed by rest, is fitted to the hand's position in the
 /// object frame by least squares over the moment of contact and the duration;
-/// the earliest moment within one standard deviation of the best is taken, as
+/// the earliest moment within two standard deviations of the best is taken, as
 /// a grasp too late costs accuracy and one too early does not.
 ///
 /// `grasp_time` and `release_time` (s), where given, override: the nearest tuple

@@ -4,12 +4,11 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/base/file.hpp"
-#include "core/base/text.hpp"
 #include "core/io/g2o_writer.hpp"
 #include "core/io/graph_builder.hpp"
 #include "core/solve/covariance.hpp"
 #include "core/solve/optimizer.hpp"
+#include "types_lfd/learn/result_reader.hpp"
 
 namespace graft::lfd {
 
@@ -50,22 +49,6 @@ class Phases {
   Clock::time_point start_;
   Clock::time_point total_;
 };
-
-/// Writes what the graph's resources refer to, and names it.
-ResourceFiles writeResources(const LearnResult& result, const std::string& directory) {
-  ResourceFiles files;
-  const std::string folder = directory + "/resources";
-  files.grasps = "resources/grasps.csv";
-  writeFileAtomically(directory + "/" + files.grasps, readFile(result.task.task.grasps));
-  files.reach_map = "resources/reach.map";
-  result.scene.reach->save(directory + "/" + files.reach_map);
-  if (result.scene.map != nullptr) {
-    files.map = "resources/map.yaml";
-    writeFileAtomically(folder + "/map.pgm", result.scene.map->formatPgm());
-    writeFileAtomically(folder + "/map.yaml", result.scene.map->formatYaml("map.pgm"));
-  }
-  return files;
-}
 
 /// Hands the description to the engine exactly as a file would be.
 LoadedGraph assemble(const GraphDescription& description, const std::string& path,
@@ -174,40 +157,6 @@ void solveArm(LearnResult& result, const Phases& phases) {
   result.table_after.ik_achievable = double(solved) / double(tuples);
 }
 
-/// One mixture per segment over all demonstrations (paper, section V).
-void fitModels(LearnResult& result, Diagnostics& diagnostics) {
-  result.model.task = result.task.task.name;
-  const char* const names[] = {"reach", "manipulate", "retreat"};
-  for (int segment = 0; segment < 3; ++segment) {
-    std::vector<SegmentDemonstration> parts;
-    for (const DemonstrationEstimate& demo : result.after) {
-      const std::size_t first = segment == 0   ? 0
-                                : segment == 1 ? demo.segments.grasp
-                                               : demo.segments.release;
-      const std::size_t last = segment == 0   ? demo.segments.grasp
-                               : segment == 1 ? demo.segments.release
-                                              : demo.size() - 1;
-      SegmentDemonstration part;
-      part.world_T_object = demo.object[demo.segments.grasp];
-      for (std::size_t i = first; i <= last; ++i) {
-        part.samples.push_back({demo.times[i], demo.gripper[i], demo.base[i]});
-      }
-      parts.push_back(std::move(part));
-    }
-    FitReport report;
-    try {
-      result.model.segments.push_back(fitSegment(names[segment], parts, FitOptions(), &report));
-    } catch (const Error& error) {
-      if (error.code() != ExitCode::kNoResult) throw;
-      diagnostics.warning({result.task.task.path, 0, 0}, std::string("no model of the segment ") +
-                                                             names[segment] + ": " + error.what());
-    }
-    for (const std::string& note : report.notes) {
-      diagnostics.note({result.task.task.path, 0, 0}, std::string(names[segment]) + ": " + note);
-    }
-  }
-}
-
 bool agrees(const GraspSpread& spread, std::size_t a, std::size_t b, Vec<double, 2>& gap) {
   const Vec<double, 6> e = poseError(spread.object_T_hand[a].inverse() * spread.object_T_hand[b]);
   gap = {e.head<3>().norm(), e.tail<3>().norm()};
@@ -275,10 +224,10 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   result.scene =
       loadScene(result.task.task, diagnostics, [&](double fraction) { phases.report(fraction); });
   phases.begin("build");
-  const ResourceFiles files = writeResources(result, resource_directory);
+  const ResourceFiles files = writeSceneFiles(result.task.task, result.scene, resource_directory);
   LoadedGraph loaded = assemble(buildGraph(result.task, files), resource_directory + "/graph.g2o",
                                 registry, diagnostics);
-  result.graph = formatGraph(loaded.graph, loaded.values);
+  result.graph = formatG2o(loaded.graph, loaded.values);
   for (const PreparedDemonstration& demo : result.task.demonstrations) {
     result.before.push_back(estimateFromInput(demo));
   }
@@ -290,7 +239,7 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   const Extractor extractor(result, loaded.graph);
   runOptimizer(loaded, registry, options, extractor, phases, result);
   result.after = extractor.demonstrations(loaded.values);
-  result.graph_optimized = formatGraph(loaded.graph, loaded.values);
+  result.graph_optimized = formatG2o(loaded.graph, loaded.values);
 
   phases.begin("evaluate");
   result.table_after = computeTable1(result.after, scene, false);
@@ -299,7 +248,7 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   phases.begin("arm");
   solveArm(result, phases);
   phases.begin("fit");
-  fitModels(result, diagnostics);
+  result.model = fitMotionModel(result.task.task.name, result.after, diagnostics);
   phases.end();
   return result;
 }

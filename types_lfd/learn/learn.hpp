@@ -64,10 +64,10 @@ struct LearnResult {
 };
 
 /// Two demonstrations hold the object in the same way if their mean hand poses
-/// on it are within these limits: a third of a hand's length, and what a wrist
-/// turns without the hold changing.
-constexpr double kSameGraspDistance = 0.06;
-constexpr double kSameGraspAngle = 0.8;
+/// on it are within these limits: the width of a palm (m), and what a wrist
+/// turns about a handle without another hold (rad, 40 degrees).
+constexpr double kSameGraspDistance = 0.10;
+constexpr double kSameGraspAngle = 0.7;
 
 /// Runs all stages. The files that the graph's resources name are written to
 /// `resource_directory`/resources (which must exist), so that graph.g2o beside

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace graft::lfd {
@@ -29,19 +30,16 @@ bool within(const Error6& e, const IkOptions& options) {
   return e.head<3>().norm() <= options.tolerance_t && e.tail<3>().norm() <= options.tolerance_r;
 }
 
-void clampToLimits(const Chain& chain, Eigen::VectorXd& q) {
-  for (int i = 0; i < chain.dof(); ++i) {
-    if (!chain.continuous(i)) q[i] = std::clamp(q[i], chain.lower()[i], chain.upper()[i]);
-  }
+void clampToBox(const IkBox& box, Eigen::VectorXd& q) {
+  q = q.cwiseMax(box.lower).cwiseMin(box.upper);
 }
 
 /// Joints that stand at a limit and would be pushed further are held.
-int freeJoints(const Chain& chain, const Eigen::VectorXd& q, const JointVector& gradient,
-               int* free) {
+int freeJoints(const IkBox& box, const Eigen::VectorXd& q, const JointVector& gradient, int* free) {
   int count = 0;
-  for (int i = 0; i < chain.dof(); ++i) {
-    const bool held = !chain.continuous(i) && ((q[i] <= chain.lower()[i] && gradient[i] < 0) ||
-                                               (q[i] >= chain.upper()[i] && gradient[i] > 0));
+  for (int i = 0; i < q.size(); ++i) {
+    const bool held =
+        (q[i] <= box.lower[i] && gradient[i] < 0) || (q[i] >= box.upper[i] && gradient[i] > 0);
     if (!held) free[count++] = i;
   }
   return count;
@@ -71,12 +69,27 @@ void unwind(const Chain& chain, const Eigen::VectorXd& reference, Eigen::VectorX
 
 }  // namespace
 
+IkBox::IkBox(const Chain& chain)
+    : lower(chain.lower()), upper(chain.upper()), scale(Eigen::VectorXd::Ones(chain.dof())) {
+  for (int i = 0; i < chain.dof(); ++i) {
+    if (!chain.continuous(i)) continue;
+    upper[i] = std::numeric_limits<double>::infinity();
+    lower[i] = -upper[i];
+  }
+}
+
 bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& options,
               Eigen::VectorXd& q) {
-  clampToLimits(chain, q);
+  return refineIk(chain, base_T_gripper, options, IkBox(chain), q);
+}
+
+bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& options,
+              const IkBox& box, Eigen::VectorXd& q) {
+  clampToBox(box, q);
   const int n = chain.dof();
   Chain::Jacobian jacobian(6, n);
   Chain::Jacobian trial_jacobian(6, n);
+  Chain::Jacobian scaled(6, n);
   Pose pose;
   chain.jacobian(q.data(), pose, jacobian);
   Error6 e = poseDifference(base_T_gripper, pose);
@@ -89,17 +102,19 @@ bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& o
   int free[kMaxDof];
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     if (within(e, options)) return true;
-    normal.noalias() = jacobian.transpose().lazyProduct(jacobian);
-    gradient.noalias() = jacobian.transpose().lazyProduct(e);
-    const int count = freeJoints(chain, q, gradient, free);
+    scaled = jacobian * box.scale.asDiagonal();
+    normal.noalias() = scaled.transpose().lazyProduct(scaled);
+    gradient.noalias() = scaled.transpose().lazyProduct(e);
+    const int count = freeJoints(box, q, gradient, free);
     if (count == 0) return false;
     dampedStep(normal, gradient, free, count, damping_factor * cost + 1e-9, step);
+    step = step.cwiseProduct(box.scale);
     // Far steps leave the region where the Jacobian says anything.
     const double longest = step.cwiseAbs().maxCoeff();
     if (!std::isfinite(longest)) return false;
     if (longest > 1) step *= 1 / longest;
     trial = q + step;
-    clampToLimits(chain, trial);
+    clampToBox(box, trial);
     chain.jacobian(trial.data(), pose, trial_jacobian);
     const Error6 trial_e = poseDifference(base_T_gripper, pose);
     const double trial_cost = trial_e.squaredNorm();

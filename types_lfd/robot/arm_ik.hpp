@@ -32,8 +32,22 @@ std::optional<Eigen::VectorXd> solveIk(const Chain& chain, const Pose& base_T_gr
                                        const Eigen::VectorXd& start,
                                        const IkOptions& options = IkOptions());
 
+/// Where a single attempt may look, and which joints it prefers to move.
+struct IkBox {
+  Eigen::VectorXd lower;  ///< dof numbers, -infinity where unbounded
+  Eigen::VectorXd upper;
+  /// Of the solutions around, the one with the least motion in units of `scale`
+  /// is approached: joints of a small scale move little.
+  Eigen::VectorXd scale;
+
+  /// The chain's limits, all joints alike.
+  explicit IkBox(const Chain& chain);
+};
+
 /// A single attempt from `q`, which is overwritten by the best joint vector
 /// found. True if within the tolerances.
+bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& options,
+              const IkBox& box, Eigen::VectorXd& q);
 bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& options,
               Eigen::VectorXd& q);
 
@@ -56,7 +70,8 @@ struct IkTrackOptions {
 /// Joint vectors along a motion: gripper poses in the base frame at each
 /// instant (both the gripper and the base may have moved) at rising times (s).
 /// Several postures are followed forwards and backwards with each pose solved
-/// from its neighbour's solution; the sequence through all that was found with
+/// from its neighbour's solution, first within what the joints' speeds allow
+/// and with slow joints (a torso) moved least; the sequence through all that was found with
 /// the fewest steps above the speed limits, then the least motion, is chosen.
 IkTrack solveIkAlong(const Chain& chain, const std::vector<Pose>& base_T_gripper,
                      const std::vector<double>& times,

@@ -27,8 +27,9 @@ double speedRatio(const Chain& chain, const Eigen::VectorXd& a, const Eigen::Vec
 /// looked for, so that the rest is not lost, too.
 class Follower {
  public:
-  Follower(const Chain& chain, const std::vector<Pose>& poses, const IkTrackOptions& options)
-      : chain_(chain), poses_(poses), options_(options) {}
+  Follower(const Chain& chain, const std::vector<Pose>& poses, const std::vector<double>& times,
+           const IkTrackOptions& options)
+      : chain_(chain), poses_(poses), times_(times), options_(options) {}
 
   void follow(Eigen::VectorXd q, bool backwards, std::uint64_t seed, Candidates& found) const {
     const std::size_t n = poses_.size();
@@ -36,10 +37,15 @@ class Follower {
     // A search with restarts is made once per loss of contact: a motion that
     // leaves the arm's reach for long would else cost it at every pose.
     bool may_search = true;
+    std::size_t last = backwards ? n - 1 : 0;
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = backwards ? n - 1 - k : k;
       Eigen::VectorXd next = q;
-      bool ok = refineIk(chain_, poses_[i], ik, next);
+      bool ok = k > 0 && refineIk(chain_, poses_[i], ik, withinSpeed(q, i, last), next);
+      if (!ok) {
+        next = q;
+        ok = refineIk(chain_, poses_[i], ik, next);
+      }
       if (!ok && (may_search || k % 8 == 0)) {
         ik.seed = seed + i;
         const auto other = solveIk(chain_, poses_[i], q, ik);
@@ -49,13 +55,33 @@ class Follower {
       may_search = ok;
       if (!ok) continue;
       q = next;
+      last = i;
       found[i].push_back(q);
     }
   }
 
  private:
+  /// What the joints reach from q in the time between two poses.
+  IkBox withinSpeed(const Eigen::VectorXd& q, std::size_t a, std::size_t b) const {
+    IkBox box(chain_);
+    const double seconds = std::abs(times_[b] - times_[a]);
+    const double fastest =
+        chain_.velocity().unaryExpr([](double v) { return std::isfinite(v) ? v : 0.0; }).maxCoeff();
+    for (int i = 0; i < chain_.dof(); ++i) {
+      const double v = chain_.velocity()[i] * options_.velocity_scale;
+      if (!std::isfinite(v)) continue;
+      // A hair less than allowed, so that rounding does not count as too fast.
+      const double reach = v * seconds * (1 - 1e-9);
+      box.lower[i] = std::max(box.lower[i], q[i] - reach);
+      box.upper[i] = std::min(box.upper[i], q[i] + reach);
+      box.scale[i] = std::clamp(chain_.velocity()[i] / fastest, 0.05, 1.0);
+    }
+    return box;
+  }
+
   const Chain& chain_;
   const std::vector<Pose>& poses_;
+  const std::vector<double>& times_;
   const IkTrackOptions& options_;
 };
 
@@ -161,7 +187,7 @@ IkTrack solveIkAlong(const Chain& chain, const std::vector<Pose>& base_T_gripper
   }
   const std::size_t n = times.size();
   Candidates found(n);
-  const Follower follower(chain, base_T_gripper, options);
+  const Follower follower(chain, base_T_gripper, times, options);
   // Postures are taken at the first pose that has any.
   std::vector<Eigen::VectorXd> postures;
   const std::size_t stride = std::max<std::size_t>(1, n / 16);
