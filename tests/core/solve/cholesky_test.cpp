@@ -67,7 +67,7 @@ struct BlockMatrix {
 
 /// Compares with Eigen's dense Cholesky, with and without damping.
 void expectSolves(const BlockMatrix& a, const FrontKernels& kernels = frontKernels()) {
-  BlockCholesky cholesky(kernels);
+  BlockCholesky cholesky(nullptr, kernels);
   cholesky.analyze(a.pattern);
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(a.dense.rows(), -1, 2);
   for (const double damping : {0.0, 0.7}) {
@@ -130,6 +130,42 @@ TEST(BlockCholesky, SolvesArrowChainGridAndSeparateParts) {
     }
   }
   expectSolves(BlockMatrix(std::vector<std::int32_t>(225, 3), grid, 4));
+}
+
+TEST(BlockCholesky, GivesTheSameBitsForAnyThreads) {
+  std::set<std::pair<int, int>> grid;
+  constexpr int kSide = 20;
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      if (i > 0) grid.insert({kSide * (i - 1) + j, kSide * i + j});
+      if (j > 0) grid.insert({kSide * i + j - 1, kSide * i + j});
+    }
+  }
+  BlockMatrix a(std::vector<std::int32_t>(kSide * kSide, 6), grid, 9);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(a.dense.rows(), -1, 2);
+  Eigen::VectorXd damping = Eigen::VectorXd::Zero(a.dense.rows());
+  Eigen::VectorXd reference;
+  std::vector<std::int32_t> failed;
+  for (const int threads : {1, 2, 4}) {
+    ThreadPool pool(threads);
+    BlockCholesky cholesky(&pool);
+    cholesky.analyze(a.pattern);
+    EXPECT_EQ(cholesky.symbolic().tasks.empty(), threads == 1);
+    ASSERT_EQ(cholesky.factorize(a.values.data(), nullptr), -1);
+    Eigen::VectorXd x(b.size());
+    cholesky.solve(b.data(), x.data());
+    if (threads == 1) reference = x;
+    EXPECT_TRUE(x == reference);
+    std::vector<std::int32_t> blocks;
+    for (const int first : {17, 100, 321}) {
+      damping[6 * first] = damping[6 * (kSide * kSide - first)] = -1e9;
+      blocks.push_back(cholesky.factorize(a.values.data(), damping.data()));
+      damping.setZero();
+    }
+    if (threads == 1) failed = blocks;
+    EXPECT_EQ(blocks, failed);
+  }
+  EXPECT_LT((a.dense * reference - b).norm(), 1e-12 * b.norm());
 }
 
 TEST(BlockCholesky, NamesABlockThatIsNotPositive) {
