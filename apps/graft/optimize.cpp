@@ -51,14 +51,14 @@ void refuseWhatIsMissing(const OptimizeOptions& options) {
   }
 }
 
-void setKernel(Graph& graph, Engine& engine, const OptimizeOptions& options) {
-  if (options.kernel.empty()) return;
-  const graft_kernel_type* kernel = engine.registry().kernel(options.kernel);
+const graft_kernel_type* requireKernel(Engine& engine, const std::string& name) {
+  if (name.empty()) return nullptr;
+  const graft_kernel_type* kernel = engine.registry().kernel(name);
   if (kernel == nullptr) {
-    throw Error(ExitCode::kUsage, "unknown robust kernel " + graft::quoted(options.kernel) +
+    throw Error(ExitCode::kUsage, "unknown robust kernel " + graft::quoted(name) +
                                       knownNames(engine, Kind::kKernel));
   }
-  graph.setKernel({kernel, options.kernel_width});
+  return kernel;
 }
 
 void requireSolver(Engine& engine, const std::string& name) {
@@ -91,11 +91,12 @@ ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
   }
   const auto engine = makeEngine(options.engine);
   requireSolver(*engine, solve_options.linear_solver);
+  const graft_kernel_type* kernel = requireKernel(*engine, options.kernel);
 
   RunTimes times;
   const auto load_start = Clock::now();
   LoadedGraph loaded = loadAndReport(options.input, *engine, options.engine);
-  setKernel(loaded.graph, *engine, options);
+  if (kernel != nullptr) loaded.graph.setKernel({kernel, options.kernel_width});
   times.load = secondsSince(load_start);
 
   const Summary summary = solve(loaded, *engine, solve_options);
