@@ -11,6 +11,8 @@ namespace graft {
 
 enum class Algorithm { kLevenbergMarquardt, kGaussNewton, kDogleg };
 enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal };
+/// What happens to information matrices that are not positive semidefinite.
+enum class InformationPolicy { kError, kProject };
 
 /// One line of the log: what an iteration did.
 struct IterationRecord {
@@ -29,6 +31,7 @@ struct IterationRecord {
 struct SolveOptions {
   Algorithm algorithm = Algorithm::kLevenbergMarquardt;
   InitialGuess initial_guess = InitialGuess::kAuto;
+  InformationPolicy information = InformationPolicy::kError;
   std::string linear_solver = "block";
   int iterations = 100;
   int threads = 0;        ///< 0 = all processors; results do not depend on it

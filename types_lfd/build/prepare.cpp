@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "types_lfd/build/prepare.hpp"
+
+#include <algorithm>
+
+#include "core/base/text.hpp"
+#include "types_lfd/demo/accuracy.hpp"
+#include "types_lfd/demo/demonstration.hpp"
+
+namespace graft::lfd {
+
+namespace {
+
+TrackerAccuracy accuracyOf(const Task& task, const std::string& entity, const Trajectory& track,
+                           const std::string& demonstration, Diagnostics& diagnostics) {
+  const auto given = task.trackers.find(entity);
+  if (given != task.trackers.end()) return given->second;
+  const TrackerAccuracy estimated = estimateAccuracy(track);
+  diagnostics.note({task.path, 0, 0}, demonstration + ": accuracy of the " + entity +
+                                          " tracker estimated as sigma_t " +
+                                          formatDouble(estimated.sigma_t) + " m, sigma_r " +
+                                          formatDouble(estimated.sigma_r) + " rad");
+  return estimated;
+}
+
+}  // namespace
+
+std::size_t PreparedTask::tupleCount() const {
+  std::size_t count = 0;
+  for (const PreparedDemonstration& demo : demonstrations) count += demo.size();
+  return count;
+}
+
+PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics) {
+  PreparedTask prepared;
+  prepared.task = readTask(task_path, diagnostics);
+  prepared.weights = weightsFor(prepared.task, diagnostics);
+  diagnostics.throwIfErrors();
+  const std::vector<Demonstration> demonstrations = readDemonstrations(prepared.task, diagnostics);
+  diagnostics.throwIfErrors();
+  for (std::size_t d = 0; d < demonstrations.size(); ++d) {
+    const Demonstration& recorded = demonstrations[d];
+    const DemonstrationSpec& spec = prepared.task.demonstrations[d];
+    PreparedDemonstration demo;
+    demo.matched = matchTracks(recorded);
+    demo.segments =
+        segmentDemonstration(demo.matched, SegmentOptions(), spec.grasp_time, spec.release_time);
+    const auto accuracy = [&](const char* entity, const Trajectory& track) {
+      return accuracyOf(prepared.task, entity, track, recorded.name, diagnostics);
+    };
+    demo.accuracy.hand = accuracy("hand", recorded.hand);
+    demo.accuracy.object = accuracy("object", recorded.object);
+    // An estimated torso has no measurement; its E2 takes the hand's accuracy.
+    demo.accuracy.torso =
+        demo.matched.torso_estimated ? demo.accuracy.hand : accuracy("torso", recorded.torso);
+    if (demo.matched.torso_estimated) {
+      diagnostics.note({prepared.task.path, spec.where.line, 0},
+                       recorded.name + ": no torso track; the torso is estimated from the hand");
+    }
+    prepared.demonstrations.push_back(std::move(demo));
+  }
+  return prepared;
+}
+
+Pose meanPose(const std::vector<Pose>& poses) {
+  Pose mean = poses.front();
+  mean.translation.setZero();
+  for (const Pose& pose : poses) mean.translation += pose.translation;
+  mean.translation /= double(poses.size());
+  // Karcher iteration; converges quadratically for rotations within pi/2.
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    Vec<double, 3> step = Vec<double, 3>::Zero();
+    for (const Pose& pose : poses) {
+      step += logSO3(Eigen::Quaterniond(mean.rotation.conjugate() * pose.rotation));
+    }
+    step /= double(poses.size());
+    mean.rotation = (mean.rotation * expSO3<double>(step)).normalized();
+    if (step.norm() < 1e-14) break;
+  }
+  return mean;
+}
+
+GraspSpread graspSpread(const std::vector<PreparedDemonstration>& demonstrations) {
+  GraspSpread spread;
+  for (const PreparedDemonstration& demo : demonstrations) {
+    std::vector<Pose> poses;
+    for (std::size_t i = demo.segments.grasp; i <= demo.segments.release; ++i) {
+      poses.push_back(demo.objectToHand(i));
+    }
+    spread.object_T_hand.push_back(meanPose(poses));
+  }
+  for (std::size_t i = 0; i < demonstrations.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec<double, 6> e =
+          poseError(spread.object_T_hand[i].inverse() * spread.object_T_hand[j]);
+      spread.distance = std::max(spread.distance, e.head<3>().norm());
+      spread.angle = std::max(spread.angle, e.tail<3>().norm());
+    }
+  }
+  return spread;
+}
+
+}  // namespace graft::lfd

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "types_lfd/build/weights.hpp"
+#include "types_lfd/demo/match.hpp"
+#include "types_lfd/demo/segment.hpp"
+#include "types_lfd/demo/task.hpp"
+
+namespace graft::lfd {
+
+/// Accuracy of the three trackers of a demonstration, given or estimated.
+struct DemonstrationAccuracy {
+  TrackerAccuracy hand;
+  TrackerAccuracy object;
+  TrackerAccuracy torso;
+};
+
+/// One demonstration, ready for the graph.
+struct PreparedDemonstration {
+  MatchedDemonstration matched;
+  Segmentation segments;
+  DemonstrationAccuracy accuracy;
+
+  std::size_t size() const { return matched.size(); }
+  bool manipulating(std::size_t i) const { return i >= segments.grasp && i <= segments.release; }
+  /// object_T_hand of tuple i as matched.
+  Pose objectToHand(std::size_t i) const {
+    return matched.object.poses[i].inverse() * matched.hand.poses[i];
+  }
+};
+
+/// A task after the stages read, clean, match and segment.
+struct PreparedTask {
+  Task task;
+  Weights weights;
+  std::vector<PreparedDemonstration> demonstrations;
+  std::size_t tupleCount() const;
+};
+
+/// Runs the stages up to the graph. Remarks (estimated torso, removed outliers,
+/// estimated accuracy) and defects go to `diagnostics`; throws where the task
+/// cannot be used.
+PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics);
+
+/// Mean of poses: arithmetic in translation, Frechet mean (geodesic) in
+/// rotation. At least one pose.
+Pose meanPose(const std::vector<Pose>& poses);
+
+/// How far a mode's demonstrations disagree about where the hand holds the
+/// object.
+struct GraspSpread {
+  std::vector<Pose> object_T_hand;  ///< per demonstration, mean over manipulation
+  double distance = 0;              ///< largest between two demonstrations, m
+  double angle = 0;                 ///< likewise, rad
+};
+GraspSpread graspSpread(const std::vector<PreparedDemonstration>& demonstrations);
+
+}  // namespace graft::lfd

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/error.hpp"
+#include "types_lfd/demo/task.hpp"
+
+namespace graft::lfd {
+
+/// Standard deviation of an edge's error: m and rad (for steady motion m/s and
+/// rad/s per square root of a second).
+struct Sigma {
+  double t = 0;
+  double r = 0;
+};
+
+/// The kinds of edges, by the names that <weights edge="..."> and metrics.json
+/// use. E1's weight is the tracker's accuracy and not listed.
+struct Weights {
+  /// E2, as a multiple of the tracker's sigma: the observed motion between two
+  /// tuples has sqrt(2) of the noise of a pose, and that noise is in E1 already;
+  /// three times keeps E2 from carrying it along.
+  double relative_motion_factor = 3;
+  /// E2 between interpolated poses is trusted this much less again.
+  double interpolated_factor = 2;
+  /// Change of velocity in one second of free motion (white-noise acceleration).
+  Sigma steady_motion{0.25, 1.0};
+  /// E3: a step may be as long as the demonstrated one, times this (paper:
+  /// "scaled by the distance between the poses"), and at least the floor below.
+  double smooth_factor = 1;
+  Sigma smooth_floor{0.02, 0.05};
+  /// E4, E5: a rigid grasp; the level of the paper's spreads after optimization
+  /// (0.1 to 0.5 cm) needs well below a millimetre per edge.
+  Sigma human_grasp{0.0005, 0.0044};
+  Sigma robot_grasp{0.0005, 0.0044};
+  /// E6 against E8: the grasp must fit within the gripper's tolerance.
+  Sigma grasp_quality{0.001, 0.0087};
+  /// E7: how closely the gripper follows the hand from tuple to tuple.
+  Sigma hand_gripper{0.02, 0.14};
+  /// E8: a gripper grasps some centimetres from where the hand did.
+  Sigma resemblance{0.05, 0.26};
+  /// E9: high weight; an arm misses what is a centimetre out of reach.
+  Sigma reachability{0.01, 0.05};
+  /// E10: grasp poses of two demonstrations.
+  Sigma grasp_agreement{0.01, 0.087};
+  /// Base's absolute position: low weight; an arm's length and a radian.
+  Sigma base_prior{0.5, 1.0};
+};
+
+/// Defaults with the task's overrides. `edge` may be a name of metrics.json
+/// ("grasp_quality") or the paper's number ("E6"). An unknown name is an error
+/// with its line that lists the names.
+Weights weightsFor(const Task& task, Diagnostics& diagnostics);
+
+/// All weights by name, for metrics.json.
+std::map<std::string, Sigma> namedWeights(const Weights& weights);
+
+}  // namespace graft::lfd

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "types_lfd/demo/arrival.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace graft::lfd {
+
+namespace {
+
+/// Residual sum of squares of the fit for one g and T.
+double residual(const ArrivalSamples& samples, double g, double duration) {
+  const auto n = static_cast<double>(samples.times.size());
+  double sum_h = 0;
+  double sum_hh = 0;
+  Eigen::Vector3d sum_p = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sum_hp = Eigen::Vector3d::Zero();
+  double sum_pp = 0;
+  const Eigen::Vector3d origin = samples.points.back();
+  for (std::size_t i = 0; i < samples.times.size(); ++i) {
+    const double h = minimumJerkToGo((g - samples.times[i]) / duration);
+    const Eigen::Vector3d p = samples.points[i] - origin;
+    sum_h += h;
+    sum_hh += h * h;
+    sum_p += p;
+    sum_hp += h * p;
+    sum_pp += p.squaredNorm();
+  }
+  const double var_h = sum_hh - sum_h * sum_h / n;
+  const double total = sum_pp - sum_p.squaredNorm() / n;
+  if (var_h < 1e-12) return total;
+  return total - (sum_hp - sum_h / n * sum_p).squaredNorm() / var_h;
+}
+
+}  // namespace
+
+double minimumJerkToGo(double rest) {
+  const double r = std::clamp(rest, 0.0, 1.0);
+  return r * r * r * (10 - 15 * r + 6 * r * r);
+}
+
+double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options) {
+  const double otherwise = std::min(samples.edge, samples.latest);
+  if (samples.times.size() < 5 || samples.latest <= samples.times.front()) return otherwise;
+  std::vector<double> moments;
+  std::vector<double> costs;
+  double best = std::numeric_limits<double>::infinity();
+  const double earliest = samples.times.front();
+  for (double g = earliest; g <= samples.latest; g += options.step) {
+    double cost = std::numeric_limits<double>::infinity();
+    for (double t = options.shortest; t <= options.longest; t *= 1.1) {
+      // The samples lie after peak speed, which is half-way in time.
+      if (g - earliest > 0.6 * t) continue;
+      cost = std::min(cost, residual(samples, g, t));
+    }
+    moments.push_back(g);
+    costs.push_back(cost);
+    best = std::min(best, cost);
+  }
+  // Two standard deviations: minus twice the log likelihood rises by 4. Sigma^2
+  // is what the fit leaves (3 numbers a sample, 8 parameters), at least that of
+  // the soft hand.
+  const double freedom = std::max(1.0, 3.0 * static_cast<double>(samples.times.size()) - 8.0);
+  const double variance = std::max(best / freedom, options.softness * options.softness);
+  const double limit = best + 4 * variance;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    if (costs[i] <= limit) return moments[i];
+  }
+  return otherwise;
+}
+
+}  // namespace graft::lfd

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "types_lfd/demo/segment.hpp"
+
+namespace graft::lfd {
+
+/// Positions (m) of a hand that arrives somewhere and rests, by clock (s,
+/// rising). The caller cuts them so that they begin after peak speed.
+struct ArrivalSamples {
+  std::vector<double> times;
+  std::vector<Eigen::Vector3d> points;
+  double edge = 0;    ///< clock at which the hand is at rest up to noise
+  double latest = 0;  ///< latest arrival considered
+};
+
+/// Share of the way still to go, `rest` (0 to 1) of the duration before the end
+/// of a minimum-jerk movement: 10 r^3 - 15 r^4 + 6 r^5.
+double minimumJerkToGo(double rest);
+
+/// Clock of the arrival: least squares fit of
+///   p(t) = c + a minimumJerkToGo((g - t) / T) before g, c from g on
+/// over g, T, c and a. Of all g that fit as well as the best up to two
+/// standard deviations the earliest.
+double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options);
+
+}  // namespace graft::lfd

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "types_lfd/learn/result_json.hpp"
+
+#include <algorithm>
+
+namespace graft::lfd {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json optionalNumber(const std::optional<double>& value) {
+  return value.has_value() ? Json(*value) : Json(nullptr);
+}
+
+Json poseNumbers(const Pose& pose) {
+  std::vector<double> v(7);
+  pose.toArray(v.data());
+  return v;
+}
+
+/// The one mode of holding the object; its spread is the largest between two of
+/// its demonstrations.
+Json graspModes(const LearnResult& result) {
+  Json names = Json::array();
+  for (const PreparedDemonstration& demo : result.task.demonstrations) {
+    names.push_back(demo.matched.name);
+  }
+  if (result.common_grasp) {
+    return Json::array({{{"demonstrations", names},
+                         {"grasp", result.grasp.row},
+                         {"spread_m", result.spread.distance},
+                         {"spread_rad", result.spread.angle}}});
+  }
+  Json modes = Json::array();
+  for (const auto& name : names) {
+    modes.push_back({{"demonstrations", Json::array({name})},
+                     {"grasp", nullptr},
+                     {"spread_m", 0.0},
+                     {"spread_rad", 0.0}});
+  }
+  return modes;
+}
+
+Json weightsJson(const LearnResult& result) {
+  const Weights& weights = result.task.weights;
+  Json json;
+  json["relative_motion_factor"] = weights.relative_motion_factor;
+  json["interpolated_factor"] = weights.interpolated_factor;
+  json["smooth_factor"] = weights.smooth_factor;
+  for (const auto& [name, sigma] : namedWeights(weights)) {
+    json[name] = {{"sigma_t", sigma.t}, {"sigma_r", sigma.r}};
+  }
+  const auto tracker = [](const TrackerAccuracy& a) {
+    return Json{{"sigma_t", a.sigma_t}, {"sigma_r", a.sigma_r}};
+  };
+  Json observation;
+  for (const PreparedDemonstration& demo : result.task.demonstrations) {
+    observation[demo.matched.name] = {{"hand", tracker(demo.accuracy.hand)},
+                                      {"object", tracker(demo.accuracy.object)},
+                                      {"torso", tracker(demo.accuracy.torso)}};
+  }
+  json["observation"] = observation;
+  return json;
+}
+
+}  // namespace
+
+Json table1Json(const Table1& t) {
+  return {{"gripper_grasp_m", t.gripper_grasp_m},
+          {"gripper_grasp_rad", t.gripper_grasp_rad},
+          {"gripper_hand_m", optionalNumber(t.gripper_hand_m)},
+          {"gripper_hand_rad", optionalNumber(t.gripper_hand_rad)},
+          {"gripper_object_sd_m", t.gripper_object_sd_m},
+          {"gripper_object_sd_rad", t.gripper_object_sd_rad},
+          {"hand_object_sd_m", t.hand_object_sd_m},
+          {"hand_object_sd_rad", t.hand_object_sd_rad},
+          {"map_collision_free", optionalNumber(t.map_collision_free)},
+          {"kinematically_achievable", t.kinematically_achievable},
+          {"ik_achievable", optionalNumber(t.ik_achievable)}};
+}
+
+Json metricsJson(const LearnResult& result) {
+  Json json;
+  json["task"] = result.task.task.name;
+  json["tuples"] = result.task.tupleCount();
+  bool torso_estimated = false;
+  for (const PreparedDemonstration& demo : result.task.demonstrations) {
+    torso_estimated = torso_estimated || demo.matched.torso_estimated;
+  }
+  json["torso_estimated"] = torso_estimated;
+  if (result.common_grasp) {
+    json["table1"] = {{"before", table1Json(result.table_before)},
+                      {"after", table1Json(result.table_after)}};
+  } else {
+    json["table1"] = nullptr;
+  }
+  json["grasp_modes"] = graspModes(result);
+  json["weights"] = weightsJson(result);
+  if (result.common_grasp) {
+    json["iterations"] = result.summary.iterationCount();
+    json["status"] = statusName(result.summary.status);
+    json["reason"] = result.summary.reason;
+    json["chi2"] = {{"initial", result.summary.chi2_initial},
+                    {"final", result.summary.chi2_final},
+                    {"by_edge", result.summary.chi2_by_tag}};
+    json["e1_per_dof"] = result.residual_per_dof;
+  }
+  json["seconds"] = result.seconds;
+  return json;
+}
+
+Json graspJson(const LearnResult& result) {
+  const LearnedGrasp& grasp = result.grasp;
+  Json json;
+  json["object_T_hand"] = poseNumbers(grasp.object_T_hand);
+  json["object_T_gripper"] = poseNumbers(grasp.object_T_gripper);
+  Json offsets;
+  for (std::size_t d = 0; d < grasp.hand_T_gripper.size(); ++d) {
+    offsets[result.task.demonstrations[d].matched.name] = poseNumbers(grasp.hand_T_gripper[d]);
+  }
+  json["hand_T_gripper"] = offsets;
+  json["grasp_row"] = grasp.row;
+  json["flipped"] = grasp.choice.flipped;
+  json["cost"] = grasp.choice.cost;
+  json["runner_up"] = grasp.runner_up.index < 0 ? Json(nullptr)
+                                                : Json{{"grasp_row", grasp.runner_up_row},
+                                                       {"flipped", grasp.runner_up.flipped},
+                                                       {"cost", grasp.runner_up.cost}};
+  Json covariances = Json::object();
+  for (const auto& [name, matrix] : grasp.covariance) {
+    Json rows = Json::array();
+    for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+      std::vector<double> row;
+      for (Eigen::Index c = 0; c < matrix.cols(); ++c) row.push_back(matrix(r, c));
+      rows.push_back(row);
+    }
+    covariances[name] = rows;
+  }
+  json["covariance"] = covariances;
+  return json;
+}
+
+}  // namespace graft::lfd

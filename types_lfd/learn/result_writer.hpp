@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "core/base/file.hpp"
+#include "types_lfd/learn/learn.hpp"
+
+namespace graft::lfd {
+
+/// Top-level entries that `learn` owns in its output folder.
+std::vector<std::string> learnOutputs();
+
+/// Writes a result into a staged folder (formats of `learn`): trajectories,
+/// joints, segments, grasp, graphs, model, metrics, snapshots. Where there is no
+/// common grasp: metrics.json and segments.csv only. Does not commit.
+void writeResult(const LearnResult& result, StagedDirectory& out);
+
+/// Text of joints.csv: time, then one column per joint; empty fields where no
+/// arm configuration was found.
+std::string formatJoints(const std::vector<std::string>& names, const std::vector<double>& times,
+                         const IkTrack& track);
+
+}  // namespace graft::lfd

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/types/plugin.hpp"
+
+#include <cstring>
+#include <filesystem>
+
+#include "core/base/error.hpp"
+#include "types_lfd/build/graph_builder.hpp"
+#include "types_lfd/build/scene.hpp"
+#include "types_lfd/edges/base_pose.hpp"
+#include "types_lfd/edges/grasp_edges.hpp"
+#include "types_lfd/edges/reachability_edge.hpp"
+#include "types_lfd/edges/track_edges.hpp"
+
+namespace graft::lfd {
+
+namespace {
+
+/// A task file as a graph: the same stages and the same builder as the
+/// learner's own program, so both hand the same graph to the engine.
+void loadTask(const char* path, const graft_graph_sink& sink) {
+  Diagnostics diagnostics;
+  const PreparedTask prepared = prepareTask(path, diagnostics);
+  const TaskScene scene = loadScene(prepared.task, diagnostics);
+  if (scene.reach_file.empty()) {
+    throw Error(ExitCode::kOutput, {path, 0, 0},
+                "the reachability map could not be stored (set GRAFT_CACHE_DIR to a folder that "
+                "can be written)");
+  }
+  const auto absolute = [](const std::string& file) {
+    return file.empty() ? file : std::filesystem::absolute(file).string();
+  };
+  const ResourceFiles files{absolute(prepared.task.grasps), absolute(scene.reach_file),
+                            absolute(prepared.task.map)};
+  buildGraph(prepared, files).send(sink);
+}
+
+int recognizesTask(const char*, const char* head, std::int64_t size) {
+  const std::string_view text(head, static_cast<std::size_t>(size));
+  return text.find("<task") != std::string_view::npos ? 1 : 0;
+}
+
+int loadTaskFile(const char* path, const graft_graph_sink* sink) {
+  const auto report = [&](const char* text) {
+    sink->report(sink->host, 2, nullptr, 0, 0, text);
+    return GRAFT_FAILED;
+  };
+  try {
+    loadTask(path, *sink);
+    return GRAFT_OK;
+  } catch (const InputErrors& errors) {
+    return report(errors.what());
+  } catch (const Error& error) {
+    const SourceLocation& where = error.where();
+    sink->report(sink->host, 2, where.path.empty() ? nullptr : where.path.c_str(), where.line,
+                 where.column, error.what());
+    return GRAFT_FAILED;
+  } catch (const std::exception& error) {
+    return report(error.what());
+  }
+}
+
+constexpr graft_loader_type kTaskLoader = {sizeof(graft_loader_type),
+                                           "task",
+                                           "task folder of recorded demonstrations (task.xml)",
+                                           ".xml",
+                                           &recognizesTask,
+                                           &loadTaskFile};
+
+}  // namespace
+
+}  // namespace graft::lfd
+
+GRAFT_PLUGIN(lfd, registry) {
+  using namespace graft::lfd;
+  registry.addVertex<BasePose>();
+  registry.addResource<GraspSet>();
+  registry.addResource<ReachMap>();
+  registry.addResource<FreeSpace>();
+  registry.add<ObservationEdge>();
+  registry.add<RelativeMotionEdge>();
+  registry.add<SteadyMotionEdge>();
+  registry.add<GripperSmoothEdge>();
+  registry.add<BaseSmoothEdge>();
+  registry.add<BasePriorEdge>();
+  registry.add<HumanGraspEdge>();
+  registry.add<RobotGraspEdge>();
+  registry.add<GraspQualityEdge>();
+  registry.add<HandGripperEdge>();
+  registry.add<ResemblanceEdge>();
+  registry.add<GraspAgreementEdge>();
+  registry.add<ReachabilityEdge>();
+  registry.addLoader(kTaskLoader);
+}
