@@ -10,6 +10,7 @@
 #include "core/base/file.hpp"
 #include "core/base/text.hpp"
 #include "core/io/g2o_writer.hpp"
+#include "core/solve/covariance.hpp"
 #include "core/solve/optimizer.hpp"
 
 namespace graft {
@@ -42,12 +43,13 @@ int threadCount(const std::string& text) {
   return int(count);
 }
 
-void refuseWhatIsMissing(const OptimizeOptions& options) {
-  if (!options.covariance.empty()) {
-    throw Error(ExitCode::kUsage, "--covariance: this version does not compute covariances");
+void refuseContradictions(const OptimizeOptions& options) {
+  int wanting = 0;
+  for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
+    if (*path == "-") ++wanting;
   }
-  if (options.output == "-" && options.json == "-") {
-    throw Error(ExitCode::kUsage, "-o - and --json - both want standard output");
+  if (wanting > 1) {
+    throw Error(ExitCode::kUsage, "only one of -o, --json, --covariance can be - (stdout)");
   }
 }
 
@@ -55,8 +57,8 @@ const graft_kernel_type* requireKernel(Engine& engine, const std::string& name) 
   if (name.empty()) return nullptr;
   const graft_kernel_type* kernel = engine.registry().kernel(name);
   if (kernel == nullptr) {
-    throw Error(ExitCode::kUsage, "unknown robust kernel " + graft::quoted(name) +
-                                      knownNames(engine, Kind::kKernel));
+    throw Error(ExitCode::kUsage,
+                "unknown robust kernel " + graft::quoted(name) + knownNames(engine, Kind::kKernel));
   }
   return kernel;
 }
@@ -80,13 +82,38 @@ Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
   return optimize(loaded.graph, loaded.values, engine.registry(), options);
 }
 
+/// One line a vertex by rising id: tag, id, upper triangle of the covariance in
+/// its tangent, row by row.
+std::string formatCovariances(const LoadedGraph& loaded, Engine& engine) {
+  const std::vector<VertexRef> vertices = loaded.graph.verticesById();
+  const std::vector<Eigen::MatrixXd> covariances =
+      marginalCovariances(loaded.graph, loaded.values, engine.registry(), vertices);
+  std::string out;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    out += std::string(loaded.graph.type(vertices[i]).tag) + ' ' +
+           std::to_string(loaded.graph.id(vertices[i]));
+    const Eigen::MatrixXd& covariance = covariances[i];
+    for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
+      for (Eigen::Index c = r; c < covariance.cols(); ++c) {
+        out += ' ';
+        appendDouble(out, covariance(r, c));
+      }
+    }
+    out += '\n';
+  }
+  return out;
+}
+
 ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
-  refuseWhatIsMissing(options);
+  refuseContradictions(options);
   SolveOptions solve_options = options.solve;
   solve_options.threads = threadCount(options.threads);
+  if (options.engine.information == "project") {
+    solve_options.information = InformationPolicy::kProject;
+  }
   const std::string invalid = solve_options.validate();
   if (!invalid.empty()) throw Error(ExitCode::kUsage, invalid);
-  for (const std::string* path : {&options.output, &options.json}) {
+  for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
     if (!path->empty() && *path != "-") checkWritable(*path);
   }
   const auto engine = makeEngine(options.engine);
@@ -106,12 +133,16 @@ ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
   if (!options.output.empty() && summary.usable()) {
     writeFileAtomically(options.output, formatG2o(loaded.graph, loaded.values));
   }
+  if (!options.covariance.empty() && summary.usable()) {
+    writeFileAtomically(options.covariance, formatCovariances(loaded, *engine));
+  }
   times.write = secondsSince(write_start);
   times.total = secondsSince(start);
   if (!options.json.empty()) {
     writeFileAtomically(options.json, formatJson(loaded, summary, times));
   }
-  const bool stdout_taken = options.output == "-" || options.json == "-";
+  const bool stdout_taken =
+      options.output == "-" || options.json == "-" || options.covariance == "-";
   std::fputs(formatSummary(loaded, summary, times).c_str(), stdout_taken ? stderr : stdout);
   if (!summary.usable()) {
     throw Error(ExitCode::kNoResult, {options.input, 0, 0}, "no usable result: " + summary.reason);
@@ -173,7 +204,7 @@ void addOptimize(Program& program, Clock::time_point start) {
   command->add_option("--threads", options->threads, "Threads; the result does not depend on it")
       ->capture_default_str();
   command->add_option("--covariance", options->covariance,
-                      "Write the covariance of every vertex here");
+                      "Write here a line per vertex: tag, id, upper triangle of its covariance");
   command->add_option("--json", options->json, "Write the summary as JSON here, - = stdout");
 }
 
