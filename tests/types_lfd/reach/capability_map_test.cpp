@@ -161,8 +161,10 @@ TEST(CapabilityMap, ReadsThePublishedMaps) {
   }
 }
 
-/// The authors state 95.9 % for this file against the real robot's IK; a wrong
-/// frame, unit or axis convention, theirs or ours, would show here.
+/// The authors' log states 95.9 % agreement and 2.9 % false positives at their
+/// samples; a wrong frame, unit or axis convention, theirs or ours, would show
+/// here (phi and theta exchanged give ten times as many). Our solver also
+/// finds some poses that theirs did not.
 TEST(CapabilityMap, PublishedMapAgreesWithOurKinematics) {
   const char* file = "reachability/pr2_map_right_arm_2.5cm.cpm";
   const char* robot = "robots/pr2/pr2_moveit_resources.urdf";
@@ -174,20 +176,22 @@ TEST(CapabilityMap, PublishedMapAgreesWithOurKinematics) {
   const Eigen::VectorXd start = 0.5 * (chain.lower() + chain.upper());
   std::mt19937_64 random(2);
   int agree = 0;
+  int wrongly_covered = 0;
   constexpr int kCount = 500;
   for (int n = 0; n < kCount; ++n) {
-    const Eigen::Vector3d p(testing::uniform(random, -0.55, 0.85),
-                            testing::uniform(random, -1.05, 0.45),
-                            testing::uniform(random, -0.75, 0.55));
-    Eigen::Vector3d direction(testing::uniform(random, -1, 1), testing::uniform(random, -1, 1),
-                              testing::uniform(random, -1, 1));
-    direction.normalize();
-    const Pose pose(p, Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), direction));
-    const Capability* c = map.find(p);
-    const bool covered = c != nullptr && c->covers(direction);
-    agree += covered == solveIk(chain, pose, start).has_value() ? 1 : 0;
+    const Capability& c = map.capabilities()[random() % map.capabilities().size()];
+    const double z = testing::uniform(random, -1, 1);
+    const double a = testing::uniform(random, -M_PI, M_PI);
+    const Eigen::Vector3d direction(std::sqrt(1 - z * z) * std::cos(a),
+                                    std::sqrt(1 - z * z) * std::sin(a), z);
+    const Pose pose(c.center,
+                    Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitX(), direction));
+    const bool reached = solveIk(chain, pose, start).has_value();
+    agree += c.covers(direction) == reached ? 1 : 0;
+    wrongly_covered += c.covers(direction) && !reached ? 1 : 0;
   }
-  EXPECT_GE(agree, 0.9 * kCount) << agree;
+  EXPECT_GE(agree, 0.9 * kCount);
+  EXPECT_LE(wrongly_covered, 0.01 * kCount);
 }
 
 }  // namespace
