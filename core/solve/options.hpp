@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "core/graph/information_policy.hpp"
 #include "core/graph/values.hpp"
 
 namespace graft {
@@ -29,6 +30,7 @@ struct IterationRecord {
 struct SolveOptions {
   Algorithm algorithm = Algorithm::kLevenbergMarquardt;
   InitialGuess initial_guess = InitialGuess::kAuto;
+  InformationPolicy information = InformationPolicy::kError;
   std::string linear_solver = "block";
   int iterations = 100;
   int threads = 0;        ///< 0 = all processors; results do not depend on it

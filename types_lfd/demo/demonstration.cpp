@@ -4,10 +4,22 @@
 #include <algorithm>
 
 #include "core/base/text.hpp"
+#include "types_lfd/demo/statistics.hpp"
 
 namespace graft::lfd {
 
 namespace {
+
+// Longer than any glance away or occlusion by the own arm, s.
+constexpr double kLongGap = 2;
+
+void warnOfGap(const std::string& path, const Trajectory& track, Diagnostics& diagnostics) {
+  const TrackSummary summary = summarize(track);
+  if (summary.longest_gap < std::max(kLongGap, 5 * summary.median_interval)) return;
+  diagnostics.warning({path, 0, 0}, "no pose for " + formatDouble(summary.longest_gap) +
+                                        " s after " + formatDouble(summary.gap_start) +
+                                        "; tuples there are interpolated");
+}
 
 /// Reads one file; true if it is a usable track.
 bool readTrack(const std::string& path, Trajectory& track, Diagnostics& diagnostics) {
@@ -19,6 +31,7 @@ bool readTrack(const std::string& path, Trajectory& track, Diagnostics& diagnost
   } catch (const Error& error) {
     found.error(error.where(), error.what());
   }
+  if (track.size() >= 2) warnOfGap(path, track, found);
   diagnostics.append(found);
   return found.errorCount() == 0;
 }
@@ -50,6 +63,22 @@ std::string describeSpans(const Demonstration& demonstration) {
   add("object", demonstration.object);
   add("torso", demonstration.torso);
   return text;
+}
+
+TrackSummary summarize(const Trajectory& track) {
+  TrackSummary summary;
+  summary.poses = track.size();
+  const TimeSpan span = spanOf(track);
+  summary.duration = span.last - span.first;
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < track.size(); ++i) {
+    intervals.push_back(track.times[i] - track.times[i - 1]);
+    if (intervals.back() <= summary.longest_gap) continue;
+    summary.longest_gap = intervals.back();
+    summary.gap_start = track.times[i - 1];
+  }
+  summary.median_interval = medianOf(std::move(intervals));
+  return summary;
 }
 
 Demonstration readDemonstration(const DemonstrationSpec& spec, Diagnostics& diagnostics) {

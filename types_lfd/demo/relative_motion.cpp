@@ -19,6 +19,12 @@ constexpr std::size_t kFewestAtRest = 5;
 constexpr std::size_t kAgreeing = 3;
 constexpr double kGapIntervals = 2.5;
 constexpr double kNoiseFactor = 5;
+// 4.3 sigma hold 99.97 % of the lengths of 3-D vectors.
+constexpr double kWithin = 4.3;
+// Hands slip on what they hold by up to about this, m.
+constexpr double kLeastRadius = 0.02;
+// Over this time an object that is moved by a person shows it, s.
+constexpr double kMotionWindow = 0.5;
 constexpr double kOnset = 1.0 / 6;
 constexpr double kClearShare = 0.2;
 
@@ -39,13 +45,13 @@ Pose medianPose(const std::vector<Pose>& poses, std::size_t first, std::size_t l
   return Pose(middle.head<3>(), poses[first].rotation * expSO3<double>(middle.tail<3>()));
 }
 
-/// White noise of the object's track; none where it is too short to tell.
-TrackerAccuracy objectNoise(const MatchedDemonstration& matched) {
+/// White noise of a track; none where it is too short to tell.
+TrackerAccuracy noiseOf(const std::vector<double>& times, const MatchedTrack& track) {
   Trajectory measured;
-  for (std::size_t i = 0; i < matched.size(); ++i) {
-    if (matched.object.measured[i] == 0) continue;
-    measured.times.push_back(matched.times[i]);
-    measured.poses.push_back(matched.object.poses[i]);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (track.measured[i] == 0) continue;
+    measured.times.push_back(times[i]);
+    measured.poses.push_back(track.poses[i]);
   }
   return measured.size() < 5 ? TrackerAccuracy() : estimateAccuracy(measured);
 }
@@ -87,6 +93,62 @@ std::size_t motionOnset(const Displacement& displacement) {
     return onset;
   }
   return away.size();
+}
+
+/// Per tuple 1 where the object moves by more than its noise within the window.
+std::vector<char> movingTuples(const MatchedDemonstration& matched, const TrackerAccuracy& noise) {
+  const std::size_t n = matched.size();
+  const double least_shift = std::max(kNoiseFactor * noise.sigma_t, 0.01 * kMotionWindow);
+  const double least_turn = std::max(kNoiseFactor * noise.sigma_r, 0.03 * kMotionWindow);
+  std::vector<char> moving(n, 0);
+  std::size_t from = 0;
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    while (matched.times[from] < matched.times[i] - 0.5 * kMotionWindow) ++from;
+    while (to + 1 < n && matched.times[to + 1] <= matched.times[i] + 0.5 * kMotionWindow) ++to;
+    const Pose& a = matched.object.poses[from];
+    const Pose& b = matched.object.poses[to];
+    moving[i] = static_cast<char>((b.translation - a.translation).norm() > least_shift ||
+                                  rotationAngle(a.rotation.conjugate() * b.rotation) > least_turn);
+  }
+  return moving;
+}
+
+/// The place on the object at which the hand is found most often while the
+/// object moves: the mode, not the median, as an object may also be moved by
+/// something else for longer. Medians of the points within `radius` of it.
+Eigen::Vector3d densestPoint(const std::vector<Eigen::Vector3d>& points,
+                             const std::vector<char>& moving, const ContactRun& contact,
+                             double radius) {
+  std::vector<std::size_t> candidates;
+  for (std::size_t i = contact.motion_first; i <= contact.motion_last; ++i) {
+    if (moving[i] != 0) candidates.push_back(i);
+  }
+  if (candidates.empty()) {
+    for (std::size_t i = contact.motion_first; i <= contact.motion_last; ++i) {
+      candidates.push_back(i);
+    }
+  }
+  std::size_t best_count = 0;
+  std::size_t best = candidates.front();
+  for (const std::size_t i : candidates) {
+    const auto count = static_cast<std::size_t>(std::count_if(
+        candidates.begin(), candidates.end(),
+        [&](std::size_t j) { return (points[j] - points[i]).squaredNorm() < radius * radius; }));
+    if (count > best_count) {
+      best_count = count;
+      best = i;
+    }
+  }
+  Eigen::Vector3d middle;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    for (const std::size_t j : candidates) {
+      if ((points[j] - points[best]).norm() < radius) values.push_back(points[j][k]);
+    }
+    middle[k] = medianOf(std::move(values));
+  }
+  return middle;
 }
 
 /// Longest run of tuples whose distance stays below `limit`, measured by how
@@ -159,7 +221,7 @@ ContactRun findContact(const MatchedDemonstration& matched, double distance, dou
   ContactRun contact;
   const std::size_t n = matched.size();
   const std::vector<Pose>& object = matched.object.poses;
-  const TrackerAccuracy noise = objectNoise(matched);
+  const TrackerAccuracy noise = noiseOf(matched.times, matched.object);
   // Last index, counted from either end, that belongs to the rest there.
   const auto restLast = [&](bool forward) {
     const auto elapsed = [&](std::size_t k) {
@@ -179,24 +241,20 @@ ContactRun findContact(const MatchedDemonstration& matched, double distance, dou
   if (contact.motion_last <= contact.motion_first) return contact;
   contact.object_moved = true;
 
+  const double hand_sigma = noiseOf(matched.times, matched.hand).sigma_t;
+  const double radius = std::max(kLeastRadius, kWithin * std::hypot(hand_sigma, noise.sigma_t));
   const std::vector<Eigen::Vector3d> points = handInObject(matched);
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> values;
-    for (std::size_t i = contact.motion_first; i <= contact.motion_last; ++i) {
-      values.push_back(points[i][k]);
-    }
-    contact.point[k] = medianOf(std::move(values));
-  }
+  contact.point = densestPoint(points, movingTuples(matched, noise), contact, radius);
   std::vector<double> from_contact(n);
-  for (std::size_t i = 0; i < n; ++i) from_contact[i] = (points[i] - contact.point).norm();
-  contact.spread =
-      medianOf(std::vector<double>(
-          from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_first),
-          from_contact.begin() + static_cast<std::ptrdiff_t>(contact.motion_last) + 1)) /
-      kMedianChi3;
-  // 4.3 sigma hold 99.97 % of the lengths of 3-D vectors; below 1 cm it is the
-  // palm that gives way, not the hand that leaves.
-  growRun(from_contact, std::max(0.01, 4.3 * contact.spread), contact);
+  std::vector<double> held;
+  for (std::size_t i = 0; i < n; ++i) {
+    from_contact[i] = (points[i] - contact.point).norm();
+    const bool inside = i >= contact.motion_first && i <= contact.motion_last;
+    if (inside && from_contact[i] < 2 * radius) held.push_back(from_contact[i]);
+  }
+  contact.spread = medianOf(std::move(held)) / kMedianChi3;
+  // Below 1 cm it is the palm that gives way, not the hand that leaves.
+  growRun(from_contact, std::max(0.01, kWithin * contact.spread), contact);
   return contact;
 }
 

@@ -31,6 +31,12 @@ std::size_t nearestTuple(const MatchedDemonstration& matched, double time, const
                                   times.begin());
 }
 
+Segmentation checked(const MatchedDemonstration& matched, const Segmentation& segments) {
+  if (segments.grasp < segments.release) return segments;
+  fail(matched, "no manipulation between grasp at " + formatDouble(matched.times[segments.grasp]) +
+                    " and release at " + formatDouble(matched.times[segments.release]) + " s");
+}
+
 /// The hand's way to the contact in one direction of time, as arrival.hpp wants
 /// it: clock runs forward to the contact for the grasp, backward for release.
 ArrivalSamples samplesTowards(const MatchedDemonstration& matched,
@@ -66,9 +72,13 @@ ArrivalSamples samplesTowards(const MatchedDemonstration& matched,
     samples.times.push_back(clock(k));
     samples.points.push_back(points[index(k)]);
   }
-  // What moves is held: contact is not later than the object's first motion.
+  samples.latest = std::min(middle, clock(edge) + options.settle);
+  // What moves is held: contact is not later than the object's first motion,
+  // unless that lies so early that something else must have caused it.
   const std::size_t onset = grasp ? contact.motion_first : n - 1 - contact.motion_last;
-  samples.latest = std::min({middle, clock(edge) + options.settle, clock(onset)});
+  if (clock(onset) > clock(edge) - options.settle) {
+    samples.latest = std::min(samples.latest, clock(onset));
+  }
   return samples;
 }
 
@@ -83,6 +93,7 @@ Segmentation segmentDemonstration(const MatchedDemonstration& matched,
 
   const ContactRun contact = findContact(matched, options.moved_distance, options.moved_angle);
   if (!contact.object_moved) {
+    if (grasp_time && release_time) return checked(matched, segments);
     fail(matched, "the object never moves (by " + formatDouble(options.moved_distance) + " m or " +
                       formatDouble(options.moved_angle) + " rad)");
   }
@@ -111,12 +122,13 @@ Segmentation segmentDemonstration(const MatchedDemonstration& matched,
           "release");
     }
   }
-  if (segments.grasp >= segments.release) {
-    fail(matched, "no manipulation between grasp at " +
-                      formatDouble(matched.times[segments.grasp]) + " and release at " +
-                      formatDouble(matched.times[segments.release]) + " s");
-  }
-  return segments;
+  const std::size_t first = std::max(segments.grasp, contact.motion_first);
+  const std::size_t last = std::min(segments.release, contact.motion_last);
+  segments.motion_share =
+      last < first ? 0
+                   : static_cast<double>(last - first + 1) /
+                         static_cast<double>(contact.motion_last - contact.motion_first + 1);
+  return checked(matched, segments);
 }
 
 }  // namespace graft::lfd

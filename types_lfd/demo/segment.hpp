@@ -14,6 +14,10 @@ namespace graft::lfd {
 struct Segmentation {
   std::size_t grasp = 0;
   std::size_t release = 0;
+  /// Share of the tuples from the object's first to its last motion that lie in
+  /// manipulation. Well below 1: the object was held more than once, or moved
+  /// by something else; worth a warning.
+  double motion_share = 1;
 };
 
 /// None of these is a property of a tracker; what depends on noise is taken
@@ -43,7 +47,8 @@ struct SegmentOptions {
 /// a grasp too late costs accuracy and one too early does not.
 ///
 /// `grasp_time` and `release_time` (s), where given, override: the nearest tuple
-/// is taken (they must lie in the matched span).
+/// is taken (they must lie in the matched span); with both given the object may
+/// also stand still.
 /// Throws Error(kInput) naming the demonstration where the object never moves,
 /// the hand touches it from the first tuple on, or a given time does not fit.
 Segmentation segmentDemonstration(const MatchedDemonstration& matched,

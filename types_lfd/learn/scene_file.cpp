@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "types_lfd/learn/scene_file.hpp"
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.hpp"
@@ -18,6 +19,7 @@ constexpr const char* kSceneFile = "/resources/scene.json";
 ResourceFiles writeSceneFiles(const Task& task, const TaskScene& scene,
                               const std::string& directory) {
   const std::string folder = directory + "/resources";
+  std::filesystem::create_directories(folder);
   ResourceFiles files;
   files.grasps = "resources/grasps.csv";
   writeFileAtomically(folder + "/grasps.csv", readFile(task.grasps));

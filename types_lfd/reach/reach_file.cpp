@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -96,8 +97,8 @@ class Reader {
 
 void checkEnvelope(Reader& in, const std::string& content) {
   if (content.size() < kFixedPart) {
-    if (content.compare(0, content.size(), kMagic, 0, std::min<std::size_t>(content.size(), 8)) ==
-        0) {
+    const std::size_t seen = std::min<std::size_t>(content.size(), 8);
+    if (seen > 0 && content.compare(0, seen, kMagic, seen) == 0) {
       in.fail("truncated: the header has " + std::to_string(kFixedPart) + " bytes, the file has " +
               std::to_string(content.size()));
     }

@@ -84,7 +84,8 @@ class ReachMap {
                       double sigma_r, const BaseFilter* filter = nullptr) const;
 
   /// Distance (m) and angle (rad) kept from infeasible cells by nearest();
-  /// less than half a cell. Default 0.01 m and 2 degrees, or a fifth of a cell.
+  /// less than half a cell. Default 0.01 m and 2 degrees, or a
+  /// fifth of a cell.
   void setMargins(double margin_t, double margin_r);
   double marginT() const { return margin_t_; }
   double marginR() const { return margin_r_; }

@@ -11,8 +11,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Keeps projected points off the very face of a cell, where rounding decides.
-constexpr double kLeastMargin = 1e-9;
+// What is projected goes this far past the face: on it, and even more so on a
+// corner where one of the cells around is infeasible, rounding would decide.
+constexpr double kNudge = 1e-9;
 
 struct Candidate {
   double cost = kInfinity;
@@ -36,8 +37,8 @@ class SliceSearch {
         query_(query),
         weight_t_(1 / square(sigma_t)),
         weight_r_(1 / square(sigma_r)),
-        margin_t_(std::max(map.margin_t_, kLeastMargin)),
-        margin_r_(std::max(map.margin_r_, kLeastMargin)),
+        margin_t_(map.margin_t_),
+        margin_r_(map.margin_r_),
         column_(startCell(query.x, grid_.x0, grid_.nx)),
         row_(startCell(query.y, grid_.y0, grid_.ny)) {}
 
@@ -107,14 +108,16 @@ class SliceSearch {
     const auto clampAxis = [&](double value, int first, int cell, bool low_open, bool high_open) {
       const double low = (first + cell) * r + (low_open ? 0 : margin_t_);
       const double high = (first + cell + 1) * r - (high_open ? 0 : margin_t_);
-      return std::clamp(value, low, high);
+      if (value < low) return low + kNudge;
+      return value > high ? high - kNudge : value;
     };
     const double half = 0.5 * grid_.step();
     const int before = p == 0 ? grid_.turn - 1 : p - 1;
     const int after = p + 1 == grid_.turn ? 0 : p + 1;
     const Interval angles{filled(before, y, x) ? -half : margin_r_ - half,
                           filled(after, y, x) ? half : half - margin_r_};
-    const double dpsi = toInterval(query_.theta, p * grid_.step(), angles);
+    double dpsi = toInterval(query_.theta, p * grid_.step(), angles);
+    if (dpsi != 0) dpsi += dpsi > 0 ? kNudge : -kNudge;
     Candidate c;
     c.point.x = clampAxis(query_.x, grid_.x0, x, filled(p, y, x - 1), filled(p, y, x + 1));
     c.point.y = clampAxis(query_.y, grid_.y0, y, filled(p, y - 1, x), filled(p, y + 1, x));

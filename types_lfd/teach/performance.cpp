@@ -29,10 +29,11 @@ struct Schedule {
   double release = 0;
   double end = 0;
 
-  double opening(double t) const { return minimumJerk((t - part_start) / part_time); }
+  double opening(double t) const { return minimumJerkFraction((t - part_start) / part_time); }
   double press(double t) const {
     if (press_time == 0) return 0;
-    return minimumJerk((t - press_start) / press_time) - minimumJerk((t - lift_start) / press_time);
+    return minimumJerkFraction((t - press_start) / press_time) -
+           minimumJerkFraction((t - lift_start) / press_time);
   }
 };
 
@@ -100,8 +101,8 @@ PlanarPath torsoPath(const Scenario& s, const Schedule& t, const Eigen::Vector3d
     path.add(t.grasp, flat(-behind - f.standoff, middle, heading()));
     path.add(t.part_start + 0.2 * t.part_time, flat(-0.40, middle, heading()));
     path.add(t.part_start + 0.6 * t.part_time, flat(-0.02, middle + 0.03, heading()));
-    path.add(t.part_start + t.part_time, flat(0.45, middle + 0.06, heading() - 0.06));
-    path.add(t.end, flat(random.uniform(0.90, 1.05), middle + 0.10, heading() - 0.12));
+    path.add(t.part_start + t.part_time, flat(0.42, middle + 0.10, heading() - 0.06));
+    path.add(t.end, flat(random.uniform(0.82, 0.92), middle + 0.24, heading() - 0.12));
     return path;
   }
   path.add(0, flat(hand_start.x() - behind, hand_start.y() + side, heading()));
@@ -115,8 +116,8 @@ PlanarPath torsoPath(const Scenario& s, const Schedule& t, const Eigen::Vector3d
                   yaw + 0.1 * fraction * moved.y()));
   }
   const Eigen::Vector3d moved = f.handle(1, 0).translation - closed;
-  path.add(t.end, flat(closed.x() - behind + 0.75 * moved.x() - random.uniform(0.15, 0.25),
-                       closed.y() + side + 0.6 * moved.y(), yaw));
+  path.add(t.end, flat(closed.x() - behind + 0.75 * moved.x() - random.uniform(0.08, 0.18),
+                       closed.y() + side + 0.8 * moved.y(), yaw));
   return path;
 }
 
@@ -172,7 +173,7 @@ class Actor {
   /// Comes in along the fingers.
   Pose approach(double t) const {
     const Pose goal = holding(times.grasp);
-    const double s = minimumJerk((t - times.reach) / (times.grasp - times.reach));
+    const double s = minimumJerkFraction((t - times.reach) / (times.grasp - times.reach));
     const Eigen::Vector3d before = goal * Eigen::Vector3d(-0.22, 0, 0);
     const Eigen::Vector3d early =
         start_.translation + 0.3 * (goal.translation - start_.translation);
@@ -183,11 +184,11 @@ class Actor {
   /// Leaves against the fingers; a walker takes the hand along.
   Pose retreat(double t) const {
     const Pose from = holding(times.release);
-    const double s = minimumJerk((t - times.release) / (times.end - times.release));
-    const Eigen::Vector3d away = from * Eigen::Vector3d(-0.15, 0, 0);
+    const double s = minimumJerkFraction((t - times.release) / (times.end - times.release));
+    const Eigen::Vector3d away = from * Eigen::Vector3d(-0.10, 0, 0);
     Eigen::Vector3d last = from * Eigen::Vector3d(-0.25, 0, 0);
     last.z() -= 0.05;
-    if (s_.walks_through) last = torso(times.end) * Eigen::Vector3d(0.28, -0.22, -0.08);
+    if (s_.walks_through) last = torso(times.end) * Eigen::Vector3d(0.30, -0.28, -0.08);
     last += retreat_shift_;
     return Pose(bezier(from.translation, away, 0.5 * (away + last), last, s),
                 (from.rotation * expSO3<double>(s * retreat_turn_)).normalized());

@@ -47,7 +47,7 @@ void drawHold(Scenario& s, bool bar_is_vertical, Random& random) {
 
 void drawRoomDoor(Scenario& s, Random& random) {
   s.demonstrations = 10;
-  s.frames = 153;
+  s.frames = 156;
   s.has_torso = true;
   s.walks_through = true;
   s.furniture.kind = Furniture::Kind::kDoor;
@@ -71,7 +71,7 @@ void drawRoomDoor(Scenario& s, Random& random) {
 
 void drawSwivelDoor(Scenario& s, Random& random) {
   s.demonstrations = 4;
-  s.frames = 105;
+  s.frames = 111;
   s.has_torso = true;
   s.furniture.kind = Furniture::Kind::kSwivel;
   s.furniture.standoff = random.uniform(0.025, 0.035);
@@ -90,7 +90,7 @@ void drawSwivelDoor(Scenario& s, Random& random) {
 
 void drawDrawer(Scenario& s, Random& random) {
   s.demonstrations = 6;
-  s.frames = 109;
+  s.frames = 119;
   s.furniture.kind = Furniture::Kind::kSlider;
   s.furniture.direction = -Eigen::Vector3d::UnitX();
   s.furniture.standoff = random.uniform(0.025, 0.035);
@@ -109,7 +109,7 @@ void drawDrawer(Scenario& s, Random& random) {
 
 void drawSlidingDoor(Scenario& s, Random& random) {
   s.demonstrations = 10;
-  s.frames = 149;
+  s.frames = 154;
   s.furniture.kind = Furniture::Kind::kSlider;
   s.furniture.direction = random.chance(0.5) ? Eigen::Vector3d(Eigen::Vector3d::UnitY())
                                              : Eigen::Vector3d(-Eigen::Vector3d::UnitY());

@@ -5,7 +5,7 @@
 
 namespace graft::lfd {
 
-double minimumJerk(double s) {
+double minimumJerkFraction(double s) {
   const double x = std::clamp(s, 0.0, 1.0);
   return x * x * x * (10 + x * (6 * x - 15));
 }

@@ -8,7 +8,7 @@ namespace graft::lfd {
 
 /// Fraction of a minimum-jerk motion at fraction `s` of its time: 0 before, 1
 /// after. Source: Flash and Hogan, "The coordination of arm movements", 1985.
-double minimumJerk(double s);
+double minimumJerkFraction(double s);
 
 /// A point on a cubic Bezier curve, s in [0, 1].
 Eigen::Vector3d bezier(const Eigen::Vector3d& p0, const Eigen::Vector3d& p1,

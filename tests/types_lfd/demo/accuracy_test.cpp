@@ -57,7 +57,6 @@ TEST(EstimateAccuracy, IsNotMovedByGapsAndOutliers) {
 }
 
 TEST(EstimateAccuracy, HasALeastValueAndALeastLength) {
-  SyntheticRecording recording;
   Trajectory still;
   for (int i = 0; i < 5; ++i) {
     still.times.push_back(i);

@@ -84,7 +84,7 @@ TEST(RemoveOutliers, RefusesATrackWithoutMajority) {
 }
 
 TEST(RemoveOutliers, ReportsCountsInWords) {
-  Demonstration demonstration = noisy(3).record();
+  Demonstration demonstration = noisy(1).record();
   EXPECT_EQ(CleanReport().text(), "");
   demonstration.hand.poses[20].translation.z() += 2;
   const CleanReport report = removeOutliers(demonstration);

@@ -111,6 +111,15 @@ TEST(MatchTracks, RefusesTracksWithoutTwoCommonStamps) {
   EXPECT_THROW(matchTracks(demonstration), Error);
 }
 
+TEST(Summarize, FindsRateAndLongestGap) {
+  const TrackSummary summary = summarize(sampled({1, 2, 3, 7, 8}));
+  EXPECT_EQ(summary.poses, 5U);
+  EXPECT_EQ(summary.duration, 7);
+  EXPECT_EQ(summary.median_interval, 1);
+  EXPECT_EQ(summary.longest_gap, 4);
+  EXPECT_EQ(summary.gap_start, 3);
+}
+
 TEST(FormatSegments, WritesStampsAsRead) {
   MatchedDemonstration matched;
   matched.name = "demo_01";

@@ -89,6 +89,38 @@ TEST(Segment, GivenTimesOverrideAndSnapToTheNearestTuple) {
   EXPECT_EQ(both.release, matched.size() - 1);
 }
 
+TEST(Segment, GivenTimesAlsoHoldForAnObjectThatStandsStill) {
+  SyntheticRecording recording;
+  recording.way = 0;
+  const MatchedDemonstration matched = matchTracks(recording.record());
+  const Segmentation given = segmentDemonstration(matched, {}, matched.times[3], matched.times[40]);
+  EXPECT_EQ(given.grasp, 3U);
+  EXPECT_EQ(given.release, 40U);
+}
+
+TEST(Segment, TellsHowMuchOfTheMotionIsManipulation) {
+  const SyntheticRecording recording;
+  const MatchedDemonstration matched = matchTracks(recording.record());
+  EXPECT_EQ(segmentDemonstration(matched).motion_share, 1);
+  const double middle = 0.5 * (recording.graspTime() + recording.releaseTime());
+  EXPECT_NEAR(segmentDemonstration(matched, {}, middle).motion_share, 0.5, 0.03);
+}
+
+TEST(Segment, IsNotMisledByAnObjectThatMovedBefore) {
+  SyntheticRecording recording;
+  recording.lead = 3;
+  recording.sigma_t = 0.004;
+  Demonstration demonstration = recording.record();
+  for (std::size_t i = 0; i < demonstration.object.size(); ++i) {
+    // Pushed by something else in the first second, and back in the second.
+    const double t = std::clamp(demonstration.object.times[i] - recording.start - 0.4, 0.0, 2.0);
+    demonstration.object.poses[i].translation.z() += 0.1 * std::sin(1.5708 * t);
+  }
+  const Times found = segmentTimes(demonstration);
+  EXPECT_NEAR(found.grasp, recording.graspTime(), 0.4);
+  EXPECT_NEAR(found.release, recording.releaseTime(), 0.4);
+}
+
 std::string errorOf(const MatchedDemonstration& matched, std::optional<double> grasp = {},
                     std::optional<double> release = {}) {
   try {

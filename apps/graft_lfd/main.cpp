@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/graft_lfd/commands.hpp"
+
+int main(int argc, char** argv) {
+  using namespace graft::lfd;
+  graft::Program program("graft-lfd",
+                         "Learns mobile manipulation from human demonstrations: from recorded "
+                         "tracks of hand, torso and object to motions of a robot.");
+  program.setFooter(
+      "Start with: graft-lfd teach drawer -o drawer && graft-lfd learn drawer/task.xml -o out\n"
+      "Exit codes: 0 result written, 2 usage, 3 input rejected, 4 no usable result, 5 output,\n"
+      "6 memory or a limit, 7 plugin, 130/143 interrupted after saving.");
+  addLearn(program);
+  addCheck(program);
+  addStages(program);
+  addTeach(program);
+  addReach(program);
+  addReproduce(program);
+  addEvaluate(program);
+  return program.main(argc, argv);
+}

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/solve/front_kernels.hpp"
+#include "core/solve/symbolic.hpp"
+
+namespace graft {
+
+/// The built-in sparse Cholesky solver: multifrontal on supernodes of blocks.
+/// Source: Liu, "The multifrontal method for sparse matrix solution: theory and
+/// practice", SIAM Review 1992.
+class BlockCholesky {
+ public:
+  explicit BlockCholesky(const FrontKernels& kernels = frontKernels()) : kernels_(&kernels) {}
+
+  /// Symbolic work, once per pattern.
+  void analyze(const graft_block_pattern& pattern);
+  /// Factors A + diag(damping) (damping may be null). Returns -1, or the block
+  /// whose pivot is not positive (beyond rounding) or not finite.
+  std::int32_t factorize(const double* values, const double* damping);
+  /// x = A^-1 b with the last factor; b may be x.
+  void solve(const double* b, double* x) const;
+
+  const SymbolicFactor& symbolic() const { return symbolic_; }
+
+ private:
+  void assembleMatrix(std::size_t index, const double* values, const double* damping);
+  void assembleColumns(const Supernode& s, const Supernode& child);
+  void assembleUpdate(const Supernode& s, const Supernode& child);
+  int factorSupernode(std::size_t index, const double* values, const double* damping);
+  std::int32_t blockAt(const Supernode& s, int column) const;
+
+  const FrontKernels* kernels_;
+  SymbolicFactor symbolic_;
+  std::vector<std::int32_t> dims_;
+  std::vector<std::int64_t> offsets_;  ///< of the blocks in vectors
+  std::vector<double> factor_;
+  std::vector<double> inverses_;    ///< 1 / diag(L), by position
+  std::vector<double> thresholds_;  ///< pivots must be larger, by position
+  std::vector<double> updates_;
+};
+
+}  // namespace graft

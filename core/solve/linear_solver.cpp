@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/solve/linear_solver.hpp"
+
+#include "core/base/error.hpp"
+#include "core/solve/block_cholesky.hpp"
+
+namespace graft {
+
+namespace {
+
+class BuiltIn : public LinearSolver {
+ public:
+  void analyze(const graft_block_pattern& pattern) override { cholesky_.analyze(pattern); }
+  LinearOutcome factorize(const double* values, const double* damping) override {
+    LinearOutcome outcome;
+    outcome.failed_block = cholesky_.factorize(values, damping);
+    outcome.ok = outcome.failed_block < 0;
+    return outcome;
+  }
+  LinearOutcome solve(const double* b, double* x) override {
+    cholesky_.solve(b, x);
+    return {};
+  }
+  std::string ordering() const override { return cholesky_.symbolic().ordering.name; }
+  double flops() const override { return cholesky_.symbolic().ordering.flops; }
+
+ private:
+  BlockCholesky cholesky_;
+};
+
+/// A solver of a plugin.
+class Plugged : public LinearSolver {
+ public:
+  Plugged(const graft_solver_type& type, int threads) : type_(type), self_(type.create(threads)) {
+    if (self_ == nullptr) {
+      throw Error(ExitCode::kPlugin,
+                  std::string("linear solver ") + type.name + " could not be made");
+    }
+  }
+  ~Plugged() override { type_.destroy(self_); }
+  Plugged(const Plugged&) = delete;
+  Plugged& operator=(const Plugged&) = delete;
+
+  void analyze(const graft_block_pattern& pattern) override {
+    graft_message message = {};
+    const int status = type_.analyze(self_, &pattern, &message);
+    if (status == GRAFT_OK) return;
+    throw Error(status == GRAFT_OUT_OF_MEMORY ? ExitCode::kResources : ExitCode::kPlugin,
+                describe("cannot analyze the pattern", message));
+  }
+  LinearOutcome factorize(const double* values, const double* damping) override {
+    graft_message message = {};
+    LinearOutcome outcome;
+    const int status = type_.factorize(self_, values, damping, &outcome.failed_block, &message);
+    outcome.ok = status == GRAFT_OK;
+    if (status == GRAFT_OUT_OF_MEMORY) {
+      throw Error(ExitCode::kResources, describe("is out of memory", message));
+    }
+    if (status == GRAFT_FAILED) outcome.message = describe("failed", message);
+    if (status != GRAFT_NOT_POSITIVE_DEFINITE) outcome.failed_block = -1;
+    return outcome;
+  }
+  LinearOutcome solve(const double* b, double* x) override {
+    graft_message message = {};
+    LinearOutcome outcome;
+    outcome.ok = type_.solve(self_, b, x, &message) == GRAFT_OK;
+    if (!outcome.ok) outcome.message = describe("failed", message);
+    return outcome;
+  }
+
+ private:
+  std::string describe(const char* what, const graft_message& message) const {
+    std::string text = std::string("linear solver ") + type_.name + " " + what;
+    if (message.text[0] != '\0') text += std::string(": ") + message.text;
+    return text;
+  }
+  const graft_solver_type& type_;
+  void* self_;
+};
+
+}  // namespace
+
+std::unique_ptr<LinearSolver> LinearSolver::create(const std::string& name, Registry& registry,
+                                                   ThreadPool& pool) {
+  if (name == "block") return std::make_unique<BuiltIn>();
+  const graft_solver_type* type = registry.solver(name);
+  if (type == nullptr) {
+    throw Error(ExitCode::kUsage, "unknown linear solver " + quoted(name) + "; block is built in" +
+                                      registry.advice({Kind::kSolver, name}));
+  }
+  return std::make_unique<Plugged>(*type, pool.threads());
+}
+
+}  // namespace graft

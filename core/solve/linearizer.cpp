@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/solve/linearizer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/text.hpp"
+#include "core/solve/edge_batch.hpp"
+#include "core/solve/whiten.hpp"
+
+namespace graft {
+
+namespace {
+
+/// Fills what a plugin has to write, so that what it forgets is found.
+constexpr double kPoison = std::numeric_limits<double>::quiet_NaN();
+
+/// True if all numbers are finite; 0 * x is 0 for those and NaN for others.
+bool allFinite(const double* numbers, std::int64_t count) {
+  double sum = 0;
+  for (std::int64_t i = 0; i < count; ++i) sum += 0.0 * numbers[i];
+  return sum == 0;
+}
+
+/// Squared error -> rho, rho', rho'' of the edge's kernel.
+struct Robust {
+  double value;
+  double weight;
+};
+Robust robustify(const Graph& graph, std::int32_t kernel, double s) {
+  if (kernel < 0) return {s, 1.0};
+  const Kernel& k = graph.kernels()[std::size_t(kernel)];
+  double rho[3] = {kPoison, kPoison, kPoison};
+  k.type->evaluate(1, &s, k.width, rho);
+  return {rho[0], rho[1]};
+}
+
+/// Finds the edge that makes a batch fail and says what is wrong with it.
+std::string diagnose(const Graph& graph, const EdgeGroup& group, const EdgeBatch& batch,
+                     std::int64_t begin, bool jacobians) {
+  std::vector<double> error(std::size_t(group.error_dim));
+  std::vector<double> jacobian(
+      jacobians ? std::size_t(group.error_dim) * std::size_t(group.tangent_dim) : 0);
+  for (std::int64_t e = 0; e < batch.view().count; ++e) {
+    std::fill(error.begin(), error.end(), kPoison);
+    std::fill(jacobian.begin(), jacobian.end(), kPoison);
+    graft_message message = {};
+    const graft_edge_batch one = batch.single(e);
+    const std::string edge = "edge " + group.describe(graph, begin + e);
+    if (group.type->evaluate(&one, error.data(), jacobians ? jacobian.data() : nullptr, &message) !=
+        GRAFT_OK) {
+      return edge + ": " + message.text;
+    }
+    if (!allFinite(error.data(), std::int64_t(error.size()))) {
+      return "the error of " + edge + " is not finite";
+    }
+    if (!allFinite(jacobian.data(), std::int64_t(jacobian.size()))) {
+      return "the Jacobian of " + edge + " is not finite";
+    }
+  }
+  return std::string("edges ") + group.type->tag + " fail as a batch only";
+}
+
+}  // namespace
+
+struct Linearizer::Scratch {
+  std::vector<double> errors;
+  std::vector<double> jacobians;
+};
+
+Linearizer::Linearizer(const Problem& problem, ThreadPool& pool)
+    : problem_(&problem), pool_(&pool) {
+  const auto& groups = problem.groups();
+  residuals_.resize(groups.size());
+  jacobians_.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (std::int64_t begin = 0; begin < groups[g].count; begin += kBatch) {
+      chunks_.push_back({g, begin, std::min(begin + kBatch, groups[g].count)});
+    }
+    has_associations_ = has_associations_ || groups[g].type->associate != nullptr;
+  }
+}
+
+Evaluation Linearizer::begin(const Values& values, State& state) const {
+  const auto& groups = problem_->groups();
+  state.values = values;
+  state.associations.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    state.associations[g].assign(
+        std::size_t(groups[g].count) * std::size_t(groups[g].type->association_dim), 0.0);
+  }
+  std::int64_t changed = 0;
+  return associateAll(state, true, changed);
+}
+
+Evaluation Linearizer::associate(State& state, std::int64_t& changed) const {
+  return associateAll(state, false, changed);
+}
+
+Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& changed) const {
+  if (!has_associations_) return {};
+  std::vector<std::int64_t> counts(chunks_.size(), 0);
+  std::vector<std::string> failures(chunks_.size());
+  pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
+    const Chunk& chunk = chunks_[std::size_t(piece)];
+    const EdgeGroup& group = problem_->groups()[chunk.group];
+    if (group.type->associate == nullptr) return;
+    const EdgeBatch batch(group, chunk.group, state, chunk.begin, chunk.end);
+    double* associations = state.associations[chunk.group].data() +
+                           chunk.begin * std::int64_t{group.type->association_dim};
+    std::vector<std::uint8_t> flags(std::size_t(chunk.end - chunk.begin), 0);
+    graft_message message = {};
+    if (group.type->associate(&batch.view(), first ? 1 : 0, associations, flags.data(), &message) !=
+        GRAFT_OK) {
+      failures[std::size_t(piece)] = "association of edges " + std::string(group.type->tag) +
+                                     " near " + group.describe(problem_->graph(), chunk.begin) +
+                                     ": " + message.text;
+    }
+    counts[std::size_t(piece)] = std::count(flags.begin(), flags.end(), 1);
+  });
+  for (std::size_t i = 0; i < chunks_.size(); ++i) {
+    if (!failures[i].empty()) return {0, failures[i]};
+    changed += counts[i];
+  }
+  return {};
+}
+
+Evaluation Linearizer::evaluate(const State& state, std::map<std::string, double>* by_tag) const {
+  return const_cast<Linearizer*>(this)->runAll(state, false, by_tag);
+}
+
+Evaluation Linearizer::linearize(const State& state) {
+  const auto& groups = problem_->groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto rows = std::size_t(groups[g].count) * std::size_t(groups[g].error_dim);
+    residuals_[g].resize(rows);
+    jacobians_[g].resize(rows * std::size_t(groups[g].tangent_dim));
+  }
+  return runAll(state, true, nullptr);
+}
+
+Evaluation Linearizer::runAll(const State& state, bool keep,
+                              std::map<std::string, double>* by_tag) {
+  std::vector<Evaluation> results(chunks_.size());
+  pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
+    const Chunk& chunk = chunks_[std::size_t(piece)];
+    const std::int64_t row = chunk.begin * problem_->groups()[chunk.group].error_dim;
+    results[std::size_t(piece)] = evaluateChunk(
+        chunk, state, keep ? residuals_[chunk.group].data() + row : nullptr,
+        keep ? jacobians_[chunk.group].data() + row * problem_->groups()[chunk.group].tangent_dim
+             : nullptr);
+  });
+  Evaluation total;
+  for (std::size_t i = 0; i < chunks_.size(); ++i) {
+    if (!results[i].ok()) return results[i];
+    total.chi2 += results[i].chi2;
+    if (by_tag != nullptr) {
+      (*by_tag)[problem_->groups()[chunks_[i].group].type->tag] += results[i].chi2;
+    }
+  }
+  if (!std::isfinite(total.chi2)) total.failure = "chi2 is not finite";
+  return total;
+}
+
+Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, double* residuals,
+                                     double* jacobians) const {
+  thread_local Scratch scratch;
+  const Graph& graph = problem_->graph();
+  const EdgeGroup& group = problem_->groups()[chunk.group];
+  const EdgeBatch batch(group, chunk.group, state, chunk.begin, chunk.end);
+  const int dim = group.error_dim;
+  const std::int64_t count = chunk.end - chunk.begin;
+  const std::int64_t jacobian_size = std::int64_t{dim} * group.tangent_dim;
+  scratch.errors.assign(std::size_t(count * dim) + std::size_t(dim), kPoison);
+  if (jacobians != nullptr) scratch.jacobians.assign(std::size_t(count * jacobian_size), kPoison);
+  const double* errors = scratch.errors.data();
+  double* whitened = scratch.errors.data() + count * dim;
+  graft_message message = {};
+  const int status =
+      group.type->evaluate(&batch.view(), scratch.errors.data(),
+                           jacobians != nullptr ? scratch.jacobians.data() : nullptr, &message);
+  if (status != GRAFT_OK || !allFinite(errors, count * dim) ||
+      (jacobians != nullptr && !allFinite(scratch.jacobians.data(), count * jacobian_size))) {
+    return {0, diagnose(graph, group, batch, chunk.begin, jacobians != nullptr)};
+  }
+  Evaluation result;
+  for (std::int64_t e = 0; e < count; ++e) {
+    const auto index = std::size_t(chunk.begin + e);
+    const double* root = group.roots.data() + index * std::size_t(dim * dim);
+    double* r = residuals != nullptr ? residuals + e * dim : whitened;
+    whitenError(root, group.root_shapes[index], dim, errors + e * dim, r);
+    double s = 0;
+    for (int i = 0; i < dim; ++i) s += r[i] * r[i];
+    const Robust robust = robustify(graph, group.kernels[index], s);
+    if (!std::isfinite(s) || !std::isfinite(robust.value) || !std::isfinite(robust.weight) ||
+        robust.weight < 0) {
+      return {0, "chi2 of edge " + group.describe(graph, chunk.begin + e) + " is not finite"};
+    }
+    result.chi2 += robust.value;
+    if (jacobians == nullptr) continue;
+    const double scale = std::sqrt(robust.weight);
+    if (scale != 1.0) {
+      for (int i = 0; i < dim; ++i) r[i] *= scale;
+    }
+    whitenJacobian(root, group.root_shapes[index], dim, group.tangent_dim, scale,
+                   scratch.jacobians.data() + e * jacobian_size, jacobians + e * jacobian_size);
+  }
+  return result;
+}
+
+}  // namespace graft

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/solve/optimizer.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
+#include "core/solve/initial_guess.hpp"
+#include "core/solve/step_strategy.hpp"
+
+namespace graft {
+
+namespace {
+
+/// How often chi2 may change by less than the tolerance under strong damping
+/// before that counts as convergence.
+constexpr int kSmallChanges = 3;
+
+class Solve {
+ public:
+  Solve(const Graph& graph, Values& values, Registry& registry, const SolveOptions& options)
+      : options_(options),
+        values_(values),
+        pool_(options.threads),
+        problem_(graph, options.information),
+        solver_(LinearSolver::create(options.linear_solver, registry, pool_)),
+        linearizer_(problem_, pool_) {
+    summary_.threads = pool_.threads();
+    summary_.linear_solver = options.linear_solver;
+    summary_.notes = problem_.notes();
+    for (const char* phase :
+         {"analyze", "linearize", "factorize", "solve", "update", "evaluate", "associate"}) {
+      summary_.seconds_by_phase[phase] = 0;
+    }
+  }
+
+  Summary run() {
+    State state;
+    Evaluation start = chooseStart(state);
+    summary_.seconds_guess = watch_.seconds();
+    const Stopwatch solving;
+    if (!start.ok()) {
+      finish(Status::kFailed, start.failure);
+    } else {
+      summary_.chi2_start = summary_.chi2_final = start.chi2;
+      iterate(std::move(state), start.chi2);
+    }
+    summary_.seconds_solve = solving.seconds();
+    return std::move(summary_);
+  }
+
+ private:
+  void finish(Status status, std::string reason) {
+    summary_.status = status;
+    summary_.reason = std::move(reason);
+  }
+
+  Evaluation evaluateAt(const Values& values, State& state) const {
+    Evaluation evaluation = linearizer_.begin(values, state);
+    return evaluation.ok() ? linearizer_.evaluate(state) : evaluation;
+  }
+
+  /// The state that the iterations begin with, and its chi2.
+  Evaluation chooseStart(State& state) {
+    Evaluation given = evaluateAt(values_, state);
+    summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
+    if (options_.initial_guess == InitialGuess::kFile) return given;
+    if (state.associations.empty()) return given;
+    const SpreadResult spread = spreadEstimates(problem_, state);
+    if (spread.placed == 0) return given;
+    State spread_state;
+    const Evaluation guess = evaluateAt(spread.values, spread_state);
+    const bool automatic = options_.initial_guess == InitialGuess::kAuto;
+    const bool better = guess.ok() && (!given.ok() || guess.chi2 < given.chi2);
+    if (automatic && !better) return given;
+    if (automatic && !given.ok()) {
+      summary_.notes.push_back("began with a spanning tree, because " + given.failure);
+    }
+    if (spread.unplaced > 0) {
+      summary_.notes.push_back("no edge of the spanning tree could place " +
+                               std::to_string(spread.unplaced) +
+                               " vertices; they begin where they were");
+    }
+    summary_.used_spanning_tree = true;
+    state = std::move(spread_state);
+    return guess;
+  }
+
+  void iterate(State state, double chi2) {
+    if (problem_.freeVertices().empty()) {
+      linearizer_.evaluate(state, &summary_.chi2_by_tag);
+      values_ = state.values;
+      record({}, chi2);
+      const bool edges = !problem_.groups().empty();
+      return finish(Status::kConverged,
+                    edges ? "every vertex with an edge is fixed" : "the graph has no edges");
+    }
+    SolveContext context(problem_, *solver_, pool_, summary_.seconds_by_phase);
+    summary_.ordering = solver_->ordering();
+    summary_.factor_flops = solver_->flops();
+    context.start(std::move(state), chi2);
+    loop(context);
+    summary_.associations_changed = context.associationsChanged();
+    summary_.chi2_final = context.chi2();
+    linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
+    if (summary_.status != Status::kFailed) values_ = context.state().values;
+  }
+
+  void record(IterationRecord record, double chi2) {
+    record.chi2 = chi2;
+    record.seconds = watch_.seconds();
+    summary_.iterations.push_back(record);
+  }
+
+  /// True if the solve has to end between two iterations.
+  bool mustStop(const SolveContext& context) {
+    const IterationRecord& last = summary_.iterations.back();
+    if (options_.callback && !options_.callback(last, context.state().values)) {
+      finish(Status::kInterrupted, "the callback asked to stop");
+    } else if (options_.interrupt != nullptr && options_.interrupt->load() != 0) {
+      finish(Status::kInterrupted, "interrupted");
+    } else if (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit) {
+      finish(Status::kTimeLimit,
+             "the time limit of " + formatDouble(options_.time_limit) + " seconds is reached");
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  void loop(SolveContext& context) {
+    const std::unique_ptr<StepStrategy> strategy = StepStrategy::create(options_);
+    bool linearized = false;
+    bool moved = false;
+    int small_changes = 0;
+    record({}, context.chi2());
+    for (int iteration = 1;; ++iteration) {
+      if (mustStop(context)) return;
+      if (!linearized) {
+        const Evaluation evaluation = context.linearize();
+        if (!evaluation.ok()) return finish(Status::kFailed, evaluation.failure);
+        linearized = true;
+      }
+      IterationRecord entry;
+      entry.gradient_max = context.gradientMax();
+      if (entry.gradient_max <= options_.gradient_tolerance) {
+        return finish(Status::kConverged, "the gradient is below gradient_tolerance");
+      }
+      if (iteration > options_.iterations) {
+        return finish(
+            Status::kIterationLimit,
+            "the iteration limit of " + std::to_string(options_.iterations) + " is reached");
+      }
+      const double before = context.chi2();
+      const int factorizations = context.factorizations();
+      const std::int64_t changed = context.associationsChanged();
+      const StepResult result = strategy->iterate(context);
+      entry.iteration = iteration;
+      entry.accepted = result.kind == StepResult::Kind::kAccepted;
+      entry.chi2_change = entry.accepted ? before - context.chi2() : 0;
+      entry.step_norm = context.stepNorm();
+      entry.damping = result.damping;
+      entry.linear_solves = context.factorizations() - factorizations;
+      entry.associations_changed = context.associationsChanged() - changed;
+      record(entry, context.chi2());
+      if (result.kind == StepResult::Kind::kFailed) {
+        return finish(Status::kFailed,
+                      "iteration " + std::to_string(iteration) + ": " + result.reason);
+      }
+      if (result.kind == StepResult::Kind::kStuck) return finishStuck(result, moved);
+      if (!entry.accepted) continue;
+      moved = true;
+      linearized = false;
+      const bool small = entry.chi2_change <= options_.function_tolerance * before;
+      small_changes = small ? small_changes + 1 : 0;
+      if ((small && result.full) || small_changes >= kSmallChanges) {
+        return finish(Status::kConverged, "chi2 changes by less than function_tolerance");
+      }
+      const double length = context.estimateNorm() + options_.step_tolerance;
+      if (result.full && entry.step_norm <= options_.step_tolerance * length) {
+        return finish(Status::kConverged, "the step is below step_tolerance");
+      }
+    }
+  }
+
+  /// No step lowers chi2: at a minimum that is convergence. Where not even the
+  /// first step worked though one was predicted to, derivatives must be wrong.
+  void finishStuck(const StepResult& result, bool moved) {
+    const bool wrong = result.damping > 1 && !moved && !linearizer_.hasAssociations();
+    if (!wrong) return finish(Status::kConverged, result.reason);
+    finish(Status::kFailed, result.reason + ": is the Jacobian of an edge type wrong?");
+  }
+
+  const SolveOptions& options_;
+  Values& values_;
+  Stopwatch watch_;
+  ThreadPool pool_;
+  Problem problem_;
+  std::unique_ptr<LinearSolver> solver_;
+  Linearizer linearizer_;
+  Summary summary_;
+};
+
+}  // namespace
+
+Summary optimize(const Graph& graph, Values& values, Registry& registry,
+                 const SolveOptions& options) {
+  const std::string defect = options.validate();
+  if (!defect.empty()) throw Error(ExitCode::kUsage, defect);
+  if (options.initial_guess == InitialGuess::kChordal) {
+    throw Error(ExitCode::kUsage, "the chordal initial guess is not available yet");
+  }
+  return Solve(graph, values, registry, options).run();
+}
+
+double evaluateChi2(const Graph& graph, const Values& values,
+                    std::map<std::string, double>* by_tag) {
+  ThreadPool pool(1);
+  const Problem problem(graph, InformationPolicy::kProject);
+  const Linearizer linearizer(problem, pool);
+  State state;
+  Evaluation evaluation = linearizer.begin(values, state);
+  if (evaluation.ok()) evaluation = linearizer.evaluate(state, by_tag);
+  if (!evaluation.ok()) throw Error(ExitCode::kNoResult, evaluation.failure);
+  return evaluation.chi2;
+}
+
+}  // namespace graft

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/types/abi.h"
+
+namespace graft {
+
+/// Neighbours of every block, both triangles, without the diagonal, rising.
+struct BlockGraph {
+  std::vector<std::int32_t> dims;
+  std::vector<std::int32_t> begin;  ///< one more than blocks
+  std::vector<std::int32_t> neighbours;
+
+  explicit BlockGraph(const graft_block_pattern& pattern);
+  std::int32_t size() const { return std::int32_t(dims.size()); }
+};
+
+/// An elimination order and what it leads to.
+struct Ordering {
+  std::string name;                 ///< "natural", "amd" or "metis"
+  std::vector<std::int32_t> order;  ///< position -> block
+  double flops = 0;                 ///< of one factorisation, multiplications and additions
+};
+
+/// The order with the fewest predicted flops of approximate minimum degree
+/// (Amestoy, Davis, Duff 1996) and, where the factorisation costs enough that it
+/// can pay, nested dissection (Karypis, Kumar 1998), both on the block graph.
+Ordering chooseOrdering(const BlockGraph& graph);
+
+/// Parent of every position in the elimination tree of the permuted graph, -1 = root.
+/// Source: Liu, "The role of elimination trees in sparse factorization", 1990.
+std::vector<std::int32_t> eliminationTree(const BlockGraph& graph,
+                                          const std::vector<std::int32_t>& order);
+
+/// Flops of a Cholesky factorisation in the given order.
+double predictFlops(const BlockGraph& graph, const std::vector<std::int32_t>& order);
+
+}  // namespace graft

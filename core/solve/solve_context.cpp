@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/solve/solve_context.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace graft {
+
+namespace {
+
+constexpr double kSmallestScale = 1e-9;
+
+/// Adds the time of a scope to a phase.
+class PhaseTimer {
+ public:
+  PhaseTimer(std::map<std::string, double>& seconds, const char* phase)
+      : seconds_(&seconds[phase]) {}
+  ~PhaseTimer() { *seconds_ += watch_.seconds(); }
+  PhaseTimer(const PhaseTimer&) = delete;
+  PhaseTimer& operator=(const PhaseTimer&) = delete;
+
+ private:
+  double* seconds_;
+  Stopwatch watch_;
+};
+
+}  // namespace
+
+SolveContext::SolveContext(const Problem& problem, LinearSolver& solver, ThreadPool& pool,
+                           std::map<std::string, double>& seconds)
+    : problem_(&problem),
+      solver_(&solver),
+      pool_(&pool),
+      seconds_(&seconds),
+      linearizer_(problem, pool),
+      equations_(problem) {
+  const PhaseTimer timer(*seconds_, "analyze");
+  solver_->analyze(equations_.pattern());
+  step_.resize(std::size_t(problem.dim()));
+  scale_.resize(std::size_t(problem.dim()));
+}
+
+void SolveContext::start(State state, double chi2) {
+  state_ = std::move(state);
+  trial_ = state_;
+  chi2_ = chi2;
+}
+
+Evaluation SolveContext::linearize() {
+  const PhaseTimer timer(*seconds_, "linearize");
+  Evaluation evaluation = linearizer_.linearize(state_);
+  if (!evaluation.ok()) return evaluation;
+  equations_.gather(linearizer_, *pool_);
+  double largest = 0;
+  double sum = 0;
+  for (const double entry : equations_.diagonal()) {
+    largest = std::max(largest, entry);
+    sum += entry;
+  }
+  for (const double entry : equations_.gradient()) sum += entry;
+  if (!std::isfinite(sum)) evaluation.failure = "the normal equations are not finite";
+  for (std::size_t i = 0; i < scale_.size(); ++i) {
+    scale_[i] = std::max(equations_.diagonal()[i], kSmallestScale * largest);
+  }
+  return evaluation;
+}
+
+LinearOutcome SolveContext::factorize(const double* damping) {
+  const PhaseTimer timer(*seconds_, "factorize");
+  ++factorizations_;
+  return solver_->factorize(equations_.hessian().data(), damping);
+}
+
+LinearOutcome SolveContext::solveForStep() {
+  const PhaseTimer timer(*seconds_, "solve");
+  LinearOutcome outcome = solver_->solve(equations_.gradient().data(), step_.data());
+  if (!outcome.ok) return outcome;
+  double sum = 0;
+  for (double& entry : step_) {
+    entry = -entry;
+    sum += 0.0 * entry;
+  }
+  if (sum != 0 || std::isnan(sum)) {
+    outcome.ok = false;
+    outcome.message = "the solution of the normal equations is not finite";
+  }
+  return outcome;
+}
+
+bool SolveContext::evaluateTrial() {
+  {
+    const PhaseTimer timer(*seconds_, "update");
+    trial_ = state_;
+    const std::vector<VertexRef>& free = problem_->freeVertices();
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      const graft_vertex_type& type = problem_->graph().type(free[i]);
+      type.plus(1, state_.values.at(free[i]), step_.data() + problem_->offsets()[i],
+                trial_.values.at(free[i]));
+      // An estimate that is not finite makes an edge fail below, if it is used.
+    }
+  }
+  trial_changed_ = 0;
+  if (linearizer_.hasAssociations()) {
+    const PhaseTimer timer(*seconds_, "associate");
+    if (!linearizer_.associate(trial_, trial_changed_).ok()) return false;
+  }
+  const PhaseTimer timer(*seconds_, "evaluate");
+  const Evaluation evaluation = linearizer_.evaluate(trial_);
+  trial_chi2_ = evaluation.chi2;
+  return evaluation.ok();
+}
+
+void SolveContext::acceptTrial() {
+  std::swap(state_, trial_);
+  chi2_ = trial_chi2_;
+  associations_changed_ += trial_changed_;
+}
+
+double SolveContext::stepNorm() const {
+  double sum = 0;
+  for (const double entry : step_) sum += entry * entry;
+  return std::sqrt(sum);
+}
+
+double SolveContext::estimateNorm() const {
+  double sum = 0;
+  for (const VertexRef v : problem_->freeVertices()) {
+    const double* x = state_.values.at(v);
+    for (std::size_t i = 0; i < state_.values.dim(v.type); ++i) sum += x[i] * x[i];
+  }
+  return std::sqrt(sum);
+}
+
+double SolveContext::gradientMax() const {
+  double largest = 0;
+  for (const double entry : equations_.gradient()) largest = std::max(largest, std::abs(entry));
+  return largest;
+}
+
+std::string SolveContext::describe(const LinearOutcome& outcome) const {
+  if (!outcome.message.empty()) return outcome.message;
+  std::string text = "the normal equations are not positive definite";
+  if (outcome.failed_block >= 0) {
+    text += " at vertex " +
+            problem_->describeVertex(problem_->freeVertices()[std::size_t(outcome.failed_block)]) +
+            ": its edges do not determine it";
+  }
+  return text;
+}
+
+}  // namespace graft

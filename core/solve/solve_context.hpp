@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/solve/linear_solver.hpp"
+#include "core/solve/normal_equations.hpp"
+
+namespace graft {
+
+/// Seconds since it was made.
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+/// The state of a solve, its linear model, and what one may do with them. Times
+/// are added to `seconds` by phase.
+class SolveContext {
+ public:
+  SolveContext(const Problem& problem, LinearSolver& solver, ThreadPool& pool,
+               std::map<std::string, double>& seconds);
+
+  /// Takes over a state whose chi2 is known.
+  void start(State state, double chi2);
+  /// Forms the linear model at the state.
+  Evaluation linearize();
+
+  /// Factors H + diag(damping); damping may be null.
+  LinearOutcome factorize(const double* damping);
+  /// step() = -(last factor)^-1 gradient; not ok if that is not finite.
+  LinearOutcome solveForStep();
+  /// Associates and evaluates the state moved by step(). Returns whether there
+  /// is a finite chi2; it is then trialChi2().
+  bool evaluateTrial();
+  /// The trial becomes the state.
+  void acceptTrial();
+
+  const State& state() const { return state_; }
+  double chi2() const { return chi2_; }
+  double trialChi2() const { return trial_chi2_; }
+  std::vector<double>& step() { return step_; }
+  double stepNorm() const;
+  /// Length of the free estimates' numbers, to judge steps by.
+  double estimateNorm() const;
+  const std::vector<double>& gradient() const { return equations_.gradient(); }
+  double gradientMax() const;
+  /// diag(H), raised to 1e-9 of its largest entry: the scale that damping is
+  /// relative to (Marquardt 1963), positive in directions without information, too.
+  const std::vector<double>& scale() const { return scale_; }
+  const NormalEquations& equations() const { return equations_; }
+  const Problem& problem() const { return *problem_; }
+  bool hasAssociations() const { return linearizer_.hasAssociations(); }
+  std::int64_t associationsChanged() const { return associations_changed_; }
+  int factorizations() const { return factorizations_; }
+  /// Why the last factorisation failed, with the vertex.
+  std::string describe(const LinearOutcome& outcome) const;
+
+ private:
+  const Problem* problem_;
+  LinearSolver* solver_;
+  ThreadPool* pool_;
+  std::map<std::string, double>* seconds_;
+  Linearizer linearizer_;
+  NormalEquations equations_;
+  State state_;
+  State trial_;
+  double chi2_ = 0;
+  double trial_chi2_ = 0;
+  std::int64_t trial_changed_ = 0;
+  std::int64_t associations_changed_ = 0;
+  int factorizations_ = 0;
+  std::vector<double> step_;
+  std::vector<double> scale_;
+};
+
+}  // namespace graft

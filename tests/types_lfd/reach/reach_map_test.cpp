@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "types_lfd/reach/reach_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/types_lfd/reach/small_map.hpp"
+#include "types_lfd/robot/arm_ik.hpp"
+
+namespace graft::lfd {
+namespace {
+
+using testing::onFloor;
+using testing::smallMap;
+using testing::smallOptions;
+using testing::smallRobotChain;
+using testing::uniform;
+
+Eigen::Matrix3d gripperRotation(double heading, double elevation, double roll) {
+  return (Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(-elevation, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+TEST(ReachGrid, SplitsOrientationsAsStated) {
+  const ReachGrid grid;
+  EXPECT_EQ(grid.tiltCount(), 26);
+  const double degree = M_PI / 180;
+  std::mt19937_64 random(1);
+  for (int n = 0; n < 10000; ++n) {
+    const double heading = uniform(random, -M_PI, M_PI);
+    const double elevation = uniform(random, -67, 67) * degree;
+    const double roll = uniform(random, -M_PI, M_PI);
+    const GripperView view =
+        grid.view(gripperRotation(heading, elevation, roll), Eigen::Vector3d::Zero());
+    EXPECT_NEAR(view.heading, heading, 1e-9);
+    const int ring = static_cast<int>(std::lround(elevation / (45 * degree)));
+    EXPECT_EQ(view.tilt, (ring + 1) * 8 + grid.angleBin(roll));
+  }
+}
+
+TEST(ReachGrid, HeadingsInACapTakeTheRoll) {
+  const ReachGrid grid;
+  for (const double sign : {1.0, -1.0}) {
+    // The same orientation straight up or down, however it is split.
+    for (const double share : {-1.0, 0.3, 2.0}) {
+      const GripperView view = grid.view(
+          gripperRotation(0.5 - share, sign * M_PI / 2, sign * share), Eigen::Vector3d::Zero());
+      EXPECT_NEAR(view.heading, 0.5, 1e-7);
+      EXPECT_EQ(view.tilt, sign > 0 ? 25 : 24);
+    }
+    // A little tilt in any direction changes the heading by no more than that.
+    for (double around = -3; around < 3; around += 0.25) {
+      const Eigen::Matrix3d tilted =
+          Eigen::AngleAxisd(0.05, Eigen::Vector3d(std::cos(around), std::sin(around), 0)) *
+          gripperRotation(0.5, sign * M_PI / 2, 0);
+      EXPECT_NEAR(grid.view(tilted, Eigen::Vector3d::Zero()).heading, 0.5, 0.01);
+    }
+  }
+}
+
+TEST(ReachGrid, BaseInViewAndBack) {
+  std::mt19937_64 random(2);
+  for (int n = 0; n < 1000; ++n) {
+    GripperView view;
+    view.heading = uniform(random, -M_PI, M_PI);
+    view.position = Eigen::Vector3d(uniform(random, -9, 9), uniform(random, -9, 9), 1);
+    const Pose2 base(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -3.1, 3.1));
+    const Pose2 back = baseInWorld(view, baseInView(view, base));
+    EXPECT_LT(back.minus(base).norm(), 1e-12);
+  }
+}
+
+TEST(ReachMap, HoldsWhatTheArmReaches) {
+  const Chain chain = smallRobotChain();
+  std::mt19937_64 random(3);
+  int held = 0;
+  constexpr int kCount = 2000;
+  for (int n = 0; n < kCount; ++n) {
+    const Pose pose = chain.forward(sampleJoints(chain, random));
+    held += smallMap().contains(pose, Pose2()) ? 1 : 0;
+    // And nothing beyond its length.
+    Pose far = pose;
+    far.translation[0] += 2 * chain.reachBound() + 0.5;
+    EXPECT_FALSE(smallMap().contains(far, Pose2()));
+  }
+  EXPECT_GE(held, 0.9 * kCount);
+}
+
+TEST(ReachMap, AgreesWithInverseKinematics) {
+  const Chain chain = smallRobotChain();
+  ReachOptions options;
+  options.max_samples = std::uint64_t{1} << 20;
+  const ReachMap map = ReachMap::build(chain, options);
+  const Eigen::VectorXd start = 0.5 * (chain.lower() + chain.upper());
+  std::mt19937_64 random(4);
+  int agree = 0;
+  constexpr int kCount = 2000;
+  for (int n = 0; n < kCount; ++n) {
+    Pose pose(
+        Eigen::Vector3d(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, 0.1, 1.6)),
+        Eigen::Quaterniond(1, 0, 0, 0));
+    pose.rotation = Eigen::Quaterniond(uniform(random, -1, 1), uniform(random, -1, 1),
+                                       uniform(random, -1, 1), uniform(random, -1, 1))
+                        .normalized();
+    agree += solveIk(chain, pose, start).has_value() == map.contains(pose, Pose2()) ? 1 : 0;
+  }
+  EXPECT_GE(agree, 0.85 * kCount);
+}
+
+TEST(ReachMap, DoesNotDependOnWhereTheSceneStands) {
+  const Chain chain = smallRobotChain();
+  std::mt19937_64 random(5);
+  int changed = 0;
+  for (int n = 0; n < 5000; ++n) {
+    const Pose pose = chain.forward(sampleJoints(chain, random));
+    const Pose2 scene(uniform(random, -5, 5), uniform(random, -5, 5), uniform(random, -3, 3));
+    const int here = smallMap().quality(pose, Pose2());
+    changed += here != smallMap().quality(onFloor(scene) * pose, scene) ? 1 : 0;
+  }
+  // Only poses within rounding of a cell's face may differ.
+  EXPECT_LE(changed, 1);
+}
+
+TEST(ReachMap, IsTheSameForAnyNumberOfThreads) {
+  ReachOptions options = smallOptions();
+  options.threads = 1;
+  const ReachMap one = ReachMap::build(smallRobotChain(), options);
+  options.threads = 3;
+  const ReachMap three = ReachMap::build(smallRobotChain(), options);
+  EXPECT_EQ(one.cells(), three.cells());
+  EXPECT_EQ(one.samples(), three.samples());
+  options.seed = 2;
+  EXPECT_NE(ReachMap::build(smallRobotChain(), options).cells(), one.cells());
+}
+
+TEST(ReachMap, ReportsProgressThatRises) {
+  double last = 0;
+  int calls = 0;
+  ReachMap::build(smallRobotChain(), smallOptions(), [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    EXPECT_LE(fraction, 1);
+    last = fraction;
+    ++calls;
+  });
+  EXPECT_EQ(last, 1);
+  EXPECT_GT(calls, 1);
+}
+
+TEST(ReachMap, MapsShortChainsToo) {
+  // One joint: the tool goes around in a circle; nothing else may be assumed.
+  Diagnostics diagnostics;
+  const UrdfModel model =
+      readUrdfText("f",
+                   "<robot name='r'><link name='a'/><link name='b'/><link name='t'/>"
+                   "<joint name='1' type='continuous'><parent link='a'/><child link='b'/>"
+                   "<origin xyz='0 0 0.75'/><axis xyz='0 0 1'/></joint>"
+                   "<joint name='2' type='fixed'><parent link='b'/><child link='t'/>"
+                   "<origin xyz='0.52 0 0'/></joint></robot>",
+                   diagnostics);
+  const Chain chain(model, "a", "t");
+  ReachOptions options = smallOptions();
+  const ReachMap map = ReachMap::build(chain, options);
+  for (double q = -3; q < 3; q += 0.1) {
+    EXPECT_TRUE(map.contains(chain.forward(&q), Pose2())) << q;
+    const Pose pose = chain.forward(&q);
+    EXPECT_FALSE(map.contains(pose, Pose2(0.3, 0, 0)));
+  }
+}
+
+TEST(ReachMap, RefusesOptionsOutOfRange) {
+  const auto refused = [](auto change) {
+    ReachOptions options = smallOptions();
+    change(options);
+    try {
+      ReachMap::build(smallRobotChain(), options);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ExitCode::kSuccess;
+  };
+  const auto usage = ExitCode::kUsage;
+  EXPECT_EQ(refused([](ReachOptions& o) { o.resolution = 0; }), usage);
+  EXPECT_EQ(refused([](ReachOptions& o) { o.resolution = std::nan(""); }), usage);
+  EXPECT_EQ(refused([](ReachOptions& o) { o.angular_step = 0.7; }), usage);
+  EXPECT_EQ(refused([](ReachOptions& o) { o.angular_step = 0; }), usage);
+  EXPECT_EQ(refused([](ReachOptions& o) { o.angular_step = std::nan(""); }), usage);
+  EXPECT_EQ(refused([](ReachOptions& o) { o.max_samples = 0; }), usage);
+  EXPECT_EQ(refused([](ReachOptions& o) {
+              o.resolution = 0.005;
+              o.angular_step = M_PI / 36;
+            }),
+            ExitCode::kResources);
+}
+
+}  // namespace
+}  // namespace graft::lfd
