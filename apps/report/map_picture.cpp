@@ -112,6 +112,12 @@ class Drawer {
         const Pose2& base = demo.base[i];
         const Point at = axes_.at(base.x, base.y);
         ++counts.tuples;
+        path.push_back(axes_.at(demo.gripper[i].translation[0], demo.gripper[i].translation[1]));
+        // What is not finite is neither reachable nor somewhere.
+        if (!std::isfinite(at.x + at.y + path.back().x + path.back().y)) {
+          ++counts.unreachable;
+          continue;
+        }
         if (scene_.reach != nullptr && !scene_.reach->contains(demo.gripper[i], base)) {
           bad.cross(at, 1.8);
           ++counts.unreachable;
@@ -122,7 +128,6 @@ class Drawer {
           addFootprint(base, footprints);
           ++counts.colliding;
         }
-        path.push_back(axes_.at(demo.gripper[i].translation[0], demo.gripper[i].translation[1]));
       }
       grippers.polyline(path);
     }
