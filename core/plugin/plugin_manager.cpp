@@ -2,6 +2,7 @@
 #include "core/plugin/plugin_manager.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include "core/io/graph_loader.hpp"
@@ -22,6 +23,13 @@ bool startsWith(const std::string& text, const std::string& head) {
 bool endsWith(const std::string& text, const std::string& tail) {
   return text.size() >= tail.size() &&
          text.compare(text.size() - tail.size(), tail.size(), tail) == 0;
+}
+
+bool equalButForCase(const std::string& a, const std::string& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) {
+           return std::toupper(static_cast<unsigned char>(x)) ==
+                  std::toupper(static_cast<unsigned char>(y));
+         });
 }
 
 bool looksLikeFile(const std::string& text) {
@@ -181,6 +189,13 @@ std::string PluginManager::advise(const Provided& wanted) const {
   std::string nearest;
   std::string owner;
   std::size_t distance = wanted.name.size() / 3 + 1;
+  for (const Known& known : known_) {
+    for (const Provided& one : known.file.provides) {
+      if (one.name != wanted.name && equalButForCase(one.name, wanted.name)) {
+        return " (upper and lower case differ: " + one.name + "?)";
+      }
+    }
+  }
   for (const Known& known : known_) {
     if (known.loaded) continue;
     for (const Provided& one : known.file.provides) {

@@ -5,14 +5,13 @@
 #include <functional>
 #include <string>
 
+#include "core/graph/information_policy.hpp"
 #include "core/graph/values.hpp"
 
 namespace graft {
 
 enum class Algorithm { kLevenbergMarquardt, kGaussNewton, kDogleg };
 enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal };
-/// What happens to information matrices that are not positive semidefinite.
-enum class InformationPolicy { kError, kProject };
 
 /// One line of the log: what an iteration did.
 struct IterationRecord {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/common/interrupt.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+namespace graft {
+
+namespace {
+
+std::atomic<int> received{0};
+static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
+
+void handle(int signal) {
+  if (received.exchange(signal) != 0) ::_exit(128 + signal);
+}
+
+}  // namespace
+
+void installInterruptHandlers() {
+  struct sigaction action = {};
+  action.sa_handler = &handle;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction old = {};
+    // What the caller chose to ignore (nohup) stays ignored.
+    if (::sigaction(signal, nullptr, &old) == 0 && old.sa_handler == SIG_IGN) continue;
+    ::sigaction(signal, &action, nullptr);
+  }
+  struct sigaction ignore = {};
+  ignore.sa_handler = SIG_IGN;
+  ::sigaction(SIGPIPE, &ignore, nullptr);
+  ::sigaction(SIGXFSZ, &ignore, nullptr);
+}
+
+const std::atomic<int>& interruptFlag() { return received; }
+
+ExitCode interruptExitCode() {
+  return received == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated;
+}
+
+}  // namespace graft

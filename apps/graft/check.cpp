@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "apps/graft/commands.hpp"
+#include "apps/graft/engine_options.hpp"
+
+namespace graft {
+
+namespace {
+
+/// Connected components of a graph; vertices are numbered by rising id.
+class Components {
+ public:
+  explicit Components(const Graph& graph) : graph_(graph), vertices_(graph.verticesById()) {
+    for (const VertexBlock& block : graph.vertexBlocks()) numbers_.emplace_back(block.ids.size());
+    for (std::size_t i = 0; i < vertices_.size(); ++i) number(vertices_[i]) = i;
+    parent_.resize(vertices_.size());
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+    for (const EdgeBlock& block : graph.edgeBlocks()) {
+      for (std::size_t e = 0; e < block.size(); ++e) {
+        const auto begin = std::size_t(block.vertex_begin[e]);
+        for (std::size_t k = begin + 1; k < std::size_t(block.vertex_begin[e + 1]); ++k) {
+          join(number(block.vertices[begin]), number(block.vertices[k]));
+        }
+      }
+    }
+    findAnchors();
+  }
+
+  /// Per component: id of its first vertex, size, whether something holds it.
+  struct Component {
+    std::int64_t first_id = 0;
+    std::size_t size = 0;
+    bool anchored = false;
+  };
+  std::vector<Component> list() {
+    std::map<std::size_t, Component> by_root;
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      Component& component = by_root[root(i)];
+      if (component.size++ == 0) component.first_id = graph_.id(vertices_[i]);
+      component.anchored = component.anchored || anchors_.count(i) > 0;
+    }
+    std::vector<Component> components;
+    for (const auto& entry : by_root) components.push_back(entry.second);
+    return components;
+  }
+
+ private:
+  std::size_t& number(VertexRef v) { return numbers_[std::size_t(v.type)][std::size_t(v.index)]; }
+  std::size_t root(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+  void findAnchors() {
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      if (graph_.isFixed(vertices_[i])) anchors_.insert(i);
+    }
+    for (const EdgeBlock& block : graph_.edgeBlocks()) {
+      if ((block.type->flags & GRAFT_EDGE_RELATIVE) != 0) continue;
+      for (std::size_t e = 0; e < block.size(); ++e) {
+        if (block.arity(e) == 1) {
+          anchors_.insert(number(block.vertices[std::size_t(block.vertex_begin[e])]));
+        }
+      }
+    }
+  }
+
+  const Graph& graph_;
+  std::vector<VertexRef> vertices_;
+  std::vector<std::vector<std::size_t>> numbers_;
+  std::vector<std::size_t> parent_;
+  std::set<std::size_t> anchors_;
+};
+
+std::size_t countRepeatedEdges(const Graph& graph) {
+  std::size_t repeated = 0;
+  for (const EdgeBlock& block : graph.edgeBlocks()) {
+    std::set<std::vector<std::int64_t>> seen;
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      std::vector<std::int64_t> ids;
+      for (auto k = std::size_t(block.vertex_begin[e]); k < std::size_t(block.vertex_begin[e + 1]);
+           ++k) {
+        ids.push_back(graph.id(block.vertices[k]));
+      }
+      if (!seen.insert(std::move(ids)).second) ++repeated;
+    }
+  }
+  return repeated;
+}
+
+struct CheckOptions {
+  EngineOptions engine;
+  std::string input;
+};
+
+ExitCode run(const CheckOptions& options) {
+  const auto engine = makeEngine(options.engine);
+  const LoadedGraph loaded = loadAndReport(options.input, *engine, options.engine);
+  const Graph& graph = loaded.graph;
+  for (const VertexBlock& block : graph.vertexBlocks()) {
+    std::printf("%8zu %s\n", block.ids.size(), block.type->tag);
+  }
+  for (const EdgeBlock& block : graph.edgeBlocks()) {
+    std::printf("%8zu %s\n", block.size(), block.type->tag);
+  }
+  std::printf("%8zu resources\n%8zu fixed vertices\n", loaded.counts.resources,
+              loaded.counts.fixed);
+  std::printf("%8zu edges without weight\n%8zu vertices without edges\n",
+              loaded.counts.zero_information, loaded.counts.isolated);
+  std::printf("%8zu edges between the same vertices as an earlier one\n",
+              countRepeatedEdges(graph));
+  const std::vector<Components::Component> components = Components(graph).list();
+  std::printf("%8zu connected components\n", components.size());
+  std::size_t loose = 0;
+  for (const Components::Component& component : components) {
+    if (component.anchored || component.size == 1) continue;
+    if (++loose > Diagnostics::kShown) continue;
+    std::printf("component of vertex %lld (%zu vertices) is not anchored: graft holds one vertex\n",
+                static_cast<long long>(component.first_id), component.size);
+  }
+  if (loose > Diagnostics::kShown) {
+    std::printf("... and %zu more that are not anchored\n", loose - Diagnostics::kShown);
+  }
+  return ExitCode::kSuccess;
+}
+
+}  // namespace
+
+void addCheck(Program& program) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = program.add("check", "Look for defects in a graph without solving it",
+                                  [options] { return run(*options); });
+  command->add_option("IN", options->input, "Graph file, - = stdin")->required();
+  options->engine.addPluginOption(*command);
+  options->engine.addLoadOptions(*command);
+}
+
+}  // namespace graft
