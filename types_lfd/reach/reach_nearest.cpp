@@ -330,6 +330,7 @@ NearestBase ReachMap::nearest(const Pose& world_T_gripper, const Pose2& world_T_
   result.cost = kInfinity;
   const GripperView view = ReachGrid::view(world_T_gripper);
   const Pose2 query = baseInView(view, world_T_base);
+  if (!std::isfinite(query.x + query.y + query.theta + view.elevation + view.roll)) return result;
   const TiltSlice slice(*this, view.position[2], view.elevation, view.roll);
   const BoxSearch search(grid_, slice, query, sigma_t, sigma_r, margin_t_, margin_r_);
   if (slice.any() && search.keeps(query) && (filter == nullptr || filter->isFree(world_T_base))) {

@@ -13,7 +13,8 @@ constexpr double kOutside = -127;
 /// Where a value lies between nodes: the lower one, and the share of the upper.
 struct Place {
   Place(double value, double limit) {
-    const double v = std::clamp(value, -limit, limit);
+    // What is not a number is as far away as can be.
+    const double v = value >= -limit ? std::min(value, limit) : -limit;
     low = static_cast<int>(std::floor(v));
     share = v - low;
   }
@@ -30,6 +31,10 @@ TiltSlice::TiltSlice(const ReachMap& map, double height, double elevation, doubl
       nx_(static_cast<std::size_t>(grid_.nx)),
       ny_(static_cast<std::size_t>(grid_.ny)),
       words_(grid_.rowWords()) {
+  if (!std::isfinite(height + elevation + roll)) {
+    base_ = kOutside;
+    return;
+  }
   const Place z(height / grid_.resolution - grid_.z0, 1e6);
   const int last = grid_.ringCount() - 1;
   Place ring(std::clamp(elevation / grid_.nodeStep() + grid_.level(), 0.0, double(last)), last);

@@ -263,6 +263,26 @@ TEST(ReachNearest, SaysSoWhereNothingIsReachable) {
   EXPECT_THROW(smallMap().nearest(high, q.base, 0, 0.2), Error);
 }
 
+TEST(ReachNearest, NumbersThatAreNotFiniteAreOutOfReach) {
+  const Chain chain = smallRobotChain();
+  std::mt19937_64 random(12);
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
+    for (int k = 0; k < 10; ++k) {
+      Query q = makeQuery(chain, random, 0.1);
+      if (k < 3) q.gripper.translation[k] = bad;
+      if (k >= 3 && k < 7) q.gripper.rotation.coeffs()[k - 3] = bad;
+      if (k == 7) q.base.x = bad;
+      if (k == 8) q.base.y = bad;
+      if (k == 9) q.base.theta = bad;
+      if (bad == 1e300 && k >= 3 && k != 7 && k != 8) continue;
+      EXPECT_FALSE(smallMap().contains(q.gripper, q.base)) << k;
+      EXPECT_EQ(smallMap().quality(q.gripper, q.base), 0) << k;
+      EXPECT_FALSE(smallMap().nearest(q.gripper, q.base, 0.05, 0.2).inside) << k;
+    }
+  }
+}
+
 TEST(ReachNearest, AsksTheFilterLazily) {
   const Chain chain = smallRobotChain();
   std::mt19937_64 random(10);
