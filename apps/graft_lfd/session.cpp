@@ -20,19 +20,18 @@ struct PaperColumn {
   double before[10];
   double after[10];
 };
-constexpr PaperColumn kPaper[] = {
-    {"room_door",
-     {2.82, 18.3, kNone, kNone, 1.7, 20.5, 1.7, 20.5, 89.2, 69.8},
-     {0.55, 8.0, 2.2, 13.5, 0.53, 2.4, 0.5, 4.6, 99.74, 96.86}},
-    {"swivel_door",
-     {2.36, 5.3, kNone, kNone, 2.35, 19.3, 2.35, 19.3, kNone, 85.9},
-     {0.49, 0.7, 2.68, 3.0, 0.21, 1.6, 0.16, 0.9, kNone, 99.52}},
-    {"drawer",
-     {6.33, 5.4, kNone, kNone, 2.66, 0.88, 2.66, 0.88, kNone, 87.3},
-     {0.37, 1.6, 5.54, 2.8, 0.18, 0.21, 0.28, 0.3, kNone, 100}},
-    {"sliding_door",
-     {3.23, 6.5, kNone, kNone, 0.51, 3.4, 0.51, 3.4, kNone, 63.2},
-     {0.60, 0.5, 3.13, 5.8, 0.12, 0.34, 0.16, 0.6, kNone, 99.93}}};
+constexpr PaperColumn kPaper[] = {{"room_door",
+                                   {2.82, 18.3, kNone, kNone, 1.7, 20.5, 1.7, 20.5, 89.2, 69.8},
+                                   {0.55, 8.0, 2.2, 13.5, 0.53, 2.4, 0.5, 4.6, 99.74, 96.86}},
+                                  {"swivel_door",
+                                   {2.36, 5.3, kNone, kNone, 2.35, 19.3, 2.35, 19.3, kNone, 85.9},
+                                   {0.49, 0.7, 2.68, 3.0, 0.21, 1.6, 0.16, 0.9, kNone, 99.52}},
+                                  {"drawer",
+                                   {6.33, 5.4, kNone, kNone, 2.66, 0.88, 2.66, 0.88, kNone, 87.3},
+                                   {0.37, 1.6, 5.54, 2.8, 0.18, 0.21, 0.28, 0.3, kNone, 100}},
+                                  {"sliding_door",
+                                   {3.23, 6.5, kNone, kNone, 0.51, 3.4, 0.51, 3.4, kNone, 63.2},
+                                   {0.60, 0.5, 3.13, 5.8, 0.12, 0.34, 0.16, 0.6, kNone, 99.93}}};
 
 struct Row {
   const char* name;
@@ -101,8 +100,8 @@ std::vector<int> parseList(const std::string& text, const std::string& option) {
     std::int64_t value = 0;
     if (parseInteger(text.substr(begin, end - begin), value) != NumberStatus::kOk || value < 0 ||
         value > 1000000) {
-      throw Error(ExitCode::kUsage, option + ": expected numbers separated by commas, got " +
-                                        quoted(text));
+      throw Error(ExitCode::kUsage,
+                  option + ": expected numbers separated by commas, got " + quoted(text));
     }
     list.push_back(int(value));
     begin = end + 1;

@@ -5,6 +5,7 @@
 
 #include "core/base/error.hpp"
 #include "core/graph/graph.hpp"
+#include "core/graph/information_policy.hpp"
 #include "core/types/registry.hpp"
 
 namespace graft {

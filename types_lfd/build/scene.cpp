@@ -25,7 +25,7 @@ TaskScene loadScene(const Task& task, Diagnostics& diagnostics, const ReachProgr
   }
   scene.chain = std::make_unique<Chain>(loadChain(task.robot, diagnostics));
   scene.reach = std::make_unique<ReachMap>(
-      cachedReachMap(*scene.chain, ReachOptions(), progress, &scene.reach_file));
+      cachedReachMap(*scene.chain, ReachOptions(), progress, &scene.reach_file, diagnostics));
   return scene;
 }
 

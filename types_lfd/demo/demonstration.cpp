@@ -10,6 +10,17 @@ namespace graft::lfd {
 
 namespace {
 
+// Longer than any glance away or occlusion by the own arm, s.
+constexpr double kLongGap = 2;
+
+void warnOfGap(const std::string& path, const Trajectory& track, Diagnostics& diagnostics) {
+  const TrackSummary summary = summarize(track);
+  if (summary.longest_gap < std::max(kLongGap, 5 * summary.median_interval)) return;
+  diagnostics.warning({path, 0, 0}, "no pose for " + formatDouble(summary.longest_gap) +
+                                        " s after " + formatDouble(summary.gap_start) +
+                                        "; tuples there are interpolated");
+}
+
 /// Reads one file; true if it is a usable track.
 bool readTrack(const std::string& path, Trajectory& track, Diagnostics& diagnostics) {
   // Its own collection: what is wrong with one file must not hide what is
@@ -20,6 +31,7 @@ bool readTrack(const std::string& path, Trajectory& track, Diagnostics& diagnost
   } catch (const Error& error) {
     found.error(error.where(), error.what());
   }
+  if (track.size() >= 2) warnOfGap(path, track, found);
   diagnostics.append(found);
   return found.errorCount() == 0;
 }

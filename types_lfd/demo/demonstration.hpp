@@ -48,7 +48,8 @@ TrackSummary summarize(const Trajectory& track);
 
 /// Reads the tracks of one demonstration and applies its hand_offset (hand pose
 /// times marker_T_palm). Defects go to `diagnostics`: a file that is missing or
-/// rejected by name, tracks that do not overlap with the intervals of all.
+/// rejected by name, tracks that do not overlap with the intervals of all; gaps
+/// of more than 2 s (and 5 median intervals) are warnings.
 Demonstration readDemonstration(const DemonstrationSpec& spec, Diagnostics& diagnostics);
 
 /// The same for all demonstrations of a task, in its order.

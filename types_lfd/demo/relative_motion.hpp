@@ -32,8 +32,11 @@ std::vector<Eigen::Vector3d> handInObject(const MatchedDemonstration& matched);
 /// an occlusion looks like motion, or rest, that nobody saw.
 std::vector<char> seenTuples(const MatchedDemonstration& matched);
 
-/// Finds the contact run. The object counts as moved where it is away from its
-/// first pose (median of the first 0.3 s, at least 5 tuples) by `distance` m or `angle` rad, or by
+/// Finds the contact run: the point of the object at which the hand is most
+/// often while the object moves, and the run of tuples there (within 4.3 of its
+/// spread, at least 1 cm) that covers most of that motion.
+/// The object counts as moved where it is away from its first pose (median of
+/// the first 0.3 s, at least 5 tuples) by `distance` m or `angle` rad, or by
 /// five times its white noise where that is more. When that motion begins is
 /// traced back to a sixth of it (again at least five times the noise) from
 /// where a fifth of the whole way is done, so that a burst of noise while the

@@ -208,6 +208,17 @@ std::vector<std::string> describeDisagreement(const LearnResult& result) {
   return lines;
 }
 
+BuiltGraph buildTaskGraph(const std::string& task_path, const std::string& resource_directory,
+                          Registry& registry, Diagnostics& diagnostics) {
+  const PreparedTask prepared = prepareTask(task_path, diagnostics);
+  const TaskScene scene = loadScene(prepared.task, diagnostics);
+  const ResourceFiles files = writeSceneFiles(prepared.task, scene, resource_directory);
+  const GraphDescription description = buildGraph(prepared, files);
+  const LoadedGraph loaded =
+      assemble(description, resource_directory + "/graph.g2o", registry, diagnostics);
+  return {formatG2o(loaded.graph, loaded.values), description.countsByTag()};
+}
+
 LearnResult learn(const std::string& task_path, const std::string& resource_directory,
                   Registry& registry, Diagnostics& diagnostics, const LearnOptions& options) {
   LearnResult result;

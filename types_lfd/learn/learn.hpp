@@ -77,6 +77,14 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
                   Registry& registry, Diagnostics& diagnostics,
                   const LearnOptions& options = LearnOptions());
 
+/// The stages up to the graph alone, as `learn` does them.
+struct BuiltGraph {
+  std::string text;                           ///< graph.g2o
+  std::map<std::string, std::size_t> counts;  ///< vertices and edges by tag
+};
+BuiltGraph buildTaskGraph(const std::string& task_path, const std::string& resource_directory,
+                          Registry& registry, Diagnostics& diagnostics);
+
 /// Which demonstrations disagree about the grasp, and by how much; one line a
 /// pair that is too far apart.
 std::vector<std::string> describeDisagreement(const LearnResult& result);

@@ -171,9 +171,10 @@ void readOrigin(Parser& parser, MapYaml& yaml) {
 }
 
 void readThresholds(Parser& parser, MapYaml& yaml) {
-  const bool both = parser.number("occupied_thresh", yaml.occupied_thresh) &
-                    parser.number("free_thresh", yaml.free_thresh);
-  if (!both) return;
+  // Both are looked at, so that both are reported.
+  const bool has_occupied = parser.number("occupied_thresh", yaml.occupied_thresh);
+  const bool has_free = parser.number("free_thresh", yaml.free_thresh);
+  if (!has_occupied || !has_free) return;
   const auto check = [&parser](const char* key, double value) {
     if (value >= 0 && value <= 1) return true;
     parser.error(parser.find(key)->line,

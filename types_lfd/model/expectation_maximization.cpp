@@ -101,6 +101,23 @@ Eigen::MatrixXd timeBins(const Eigen::MatrixXd& samples, int components) {
   return assignment;
 }
 
+/// K x G: log(weight_k prod_{n in g} N(sample_n | k)).
+Eigen::MatrixXd groupJoint(const GaussianMixture& mixture, const Eigen::MatrixXd& samples,
+                           Eigen::Index groups) {
+  const Eigen::MatrixXd joint = mixture.logJoint(samples);
+  Eigen::MatrixXd result = joint.leftCols(groups);
+  for (Eigen::Index first = groups; first < joint.cols(); first += groups) {
+    result += joint.middleCols(first, groups);
+  }
+  // The weight counts once for a group.
+  const auto repeated = static_cast<double>(joint.cols() / groups - 1);
+  for (Eigen::Index k = 0; repeated > 0 && k < result.rows(); ++k) {
+    const double weight = mixture.components[static_cast<std::size_t>(k)].weight;
+    if (weight > 0) result.row(k).array() -= repeated * std::log(weight);
+  }
+  return result;
+}
+
 void finishScore(ComponentScore& score, Eigen::Index dimension, Eigen::Index samples) {
   const auto d = static_cast<double>(dimension);
   const auto k = static_cast<double>(score.components);
@@ -111,8 +128,13 @@ void finishScore(ComponentScore& score, Eigen::Index dimension, Eigen::Index sam
 
 }  // namespace
 
-EmResult fitMixture(const Eigen::MatrixXd& samples, int components, const EmOptions& options) {
+EmResult fitMixture(const Eigen::MatrixXd& samples, int components, const EmOptions& options,
+                    SampleGroups groups) {
   validate(samples, options);
+  if (groups.count == 0) groups.count = samples.cols();
+  if (groups.count < 1 || samples.cols() % groups.count != 0) {
+    throw Error(ExitCode::kInternal, "the groups of a mixture's samples must have one size");
+  }
   if (components < 1) {
     throw Error(ExitCode::kUsage,
                 "a mixture needs at least one component, not " + std::to_string(components));
@@ -135,7 +157,7 @@ EmResult fitMixture(const Eigen::MatrixXd& samples, int components, const EmOpti
   mixture.components.resize(static_cast<std::size_t>(components));
   result.floored = maximize(scaled, timeBins(scaled, components), options.variance_floor, mixture);
   for (int iteration = 0;; ++iteration) {
-    const Eigen::MatrixXd joint = mixture.logJoint(scaled);
+    const Eigen::MatrixXd joint = groupJoint(mixture, scaled, groups.count);
     const Eigen::VectorXd evidence = logSumExp(joint);
     const double likelihood = evidence.sum() + shift;
     const bool small_gain =
@@ -144,8 +166,11 @@ EmResult fitMixture(const Eigen::MatrixXd& samples, int components, const EmOpti
     result.score.iterations = iteration;
     result.score.converged = small_gain;
     if (small_gain || iteration == options.iterations) break;
-    const Eigen::MatrixXd assignment =
-        (joint.rowwise() - evidence.transpose()).array().exp().matrix();
+    const Eigen::MatrixXd assignment = (joint.rowwise() - evidence.transpose())
+                                           .array()
+                                           .exp()
+                                           .matrix()
+                                           .replicate(1, samples.cols() / groups.count);
     result.floored = maximize(scaled, assignment, options.variance_floor, mixture);
   }
 
@@ -176,8 +201,9 @@ EmResult fitMixture(const Eigen::MatrixXd& samples, int components, const EmOpti
   return result;
 }
 
-EmResult selectMixture(const Eigen::MatrixXd& samples, const EmOptions& options) {
-  if (options.components != 0) return fitMixture(samples, options.components, options);
+EmResult selectMixture(const Eigen::MatrixXd& samples, const EmOptions& options,
+                       SampleGroups groups) {
+  if (options.components != 0) return fitMixture(samples, options.components, options, groups);
   validate(samples, options);
   if (options.minimum_components < 1 || options.maximum_components < options.minimum_components) {
     throw Error(ExitCode::kUsage,
@@ -189,7 +215,7 @@ EmResult selectMixture(const Eigen::MatrixXd& samples, const EmOptions& options)
   EmResult best;
   std::vector<ComponentScore> curve;
   for (int k = options.minimum_components; k <= last; ++k) {
-    EmResult candidate = fitMixture(samples, k, options);
+    EmResult candidate = fitMixture(samples, k, options, groups);
     curve.push_back(candidate.score);
     if (curve.size() == 1 || candidate.score.bic < best.score.bic) best = std::move(candidate);
   }

@@ -13,7 +13,7 @@ namespace graft::lfd {
 struct EmOptions {
   int components = 0;  ///< fixed number, or 0: the lowest BIC of the range below
   int minimum_components = 1;
-  int maximum_components = 12;
+  int maximum_components = 15;
   int iterations = 500;
   double tolerance = 1e-7;  ///< stop at this gain of mean log-likelihood per sample
   /// No covariance has an eigenvalue below this, in units in which every
@@ -43,6 +43,16 @@ struct EmResult {
   std::vector<ComponentScore> curve;  ///< every number of components tried
 };
 
+/// Samples of one group share their component: the columns g, g + G, g + 2G, ...
+/// of N = n G belong to group g. With G = N every sample is its own group, the
+/// usual mixture. For demonstrations resampled at the same G times, one after the
+/// other, the components become phases of the motion that all demonstrations pass
+/// through, instead of one demonstration's curve each; the likelihood is
+/// prod_g sum_k weight_k prod_{n in g} N(sample_n | k).
+struct SampleGroups {
+  Eigen::Index count = 0;  ///< G; 0 = every sample on its own
+};
+
 /// Maximum likelihood mixture of `components` Gaussians for samples in columns
 /// (D x N), first row = time. The floor is a constraint on the covariances, and
 /// the M-step its exact maximiser (eigenvalues clamped), so the log-likelihood
@@ -51,11 +61,13 @@ struct EmResult {
 /// Error(kInput) for no samples or numbers that are not finite.
 /// Source: Dempster, Laird, Rubin 1977; Bishop, "Pattern Recognition and Machine
 /// Learning", 9.2.
-EmResult fitMixture(const Eigen::MatrixXd& samples, int components, const EmOptions& options);
+EmResult fitMixture(const Eigen::MatrixXd& samples, int components, const EmOptions& options,
+                    SampleGroups groups = SampleGroups());
 
 /// The same with the number of components that `options` asks for: fixed, or the
 /// lowest BIC (the smaller number on ties), with the whole curve. In the search
 /// a component has at least D+1 samples on average; the range is cut, with a note.
-EmResult selectMixture(const Eigen::MatrixXd& samples, const EmOptions& options);
+EmResult selectMixture(const Eigen::MatrixXd& samples, const EmOptions& options,
+                       SampleGroups groups = SampleGroups());
 
 }  // namespace graft::lfd

@@ -147,7 +147,7 @@ SegmentModel fitSegment(const std::string& name,
                           std::to_string(std::lround(widest * 180 / 3.14159265358979323846)) +
                           " degrees from their mean; covariances of rotation are distorted there");
   }
-  EmResult fit = selectMixture(samples, options.mixture);
+  EmResult fit = selectMixture(samples, options.mixture, SampleGroups{count});
   model.mixture = std::move(fit.mixture);
   model.selection = std::move(fit.curve);
   notes.log_likelihood = std::move(fit.history);

@@ -52,7 +52,9 @@ struct FitReport {
   std::vector<std::string> notes;      ///< guesses, reductions, skipped demonstrations
 };
 
-/// Learns one segment (paper, section V). Demonstrations with fewer than two
+/// Learns one segment (paper, section V). The demonstrations' samples at the same
+/// normalised time share their component (see SampleGroups), so that components
+/// are phases of the motion. Demonstrations with fewer than two
 /// samples are left out, with a note. Throws Error(kInput) for times that do not
 /// rise or numbers that are not finite, Error(kNoResult) where no demonstration
 /// remains, and as fitMixture does.

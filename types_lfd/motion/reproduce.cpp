@@ -13,33 +13,38 @@ namespace {
 constexpr double kMostSamples = 1e7;
 constexpr double kNodesPerSample = 4;
 constexpr double kFewestNodes = 200;
+/// Share of a segment within which it comes to rest at its ends.
+constexpr double kRestShare = 0.15;
+/// Step in phase for the slope of the regression at its ends.
+constexpr double kSlopeStep = 1e-5;
 
-/// Difference of two joint poses that can be scaled: positions along world axes,
-/// rotation in the gripper's frame, yaw by the shorter way.
-struct Offset {
-  Vec<double, 3> gripper_translation = Vec<double, 3>::Zero();
-  Vec<double, 3> gripper_rotation = Vec<double, 3>::Zero();
-  Vec<double, 3> base = Vec<double, 3>::Zero();
+/// [gripper translation along world axes; gripper rotation in its frame; base x,
+/// y, yaw]: a difference of two joint poses that can be scaled and added.
+using Offset = Vec<double, kStateDimension>;
 
-  Offset() = default;
-  Offset(const JointPose& from, const JointPose& to)
-      : gripper_translation(to.gripper.translation - from.gripper.translation),
-        gripper_rotation(
-            logSO3(Eigen::Quaterniond(from.gripper.rotation.conjugate() * to.gripper.rotation))),
-        base(to.base.x - from.base.x, to.base.y - from.base.y,
-             wrapAngle(to.base.theta - from.base.theta)) {}
-};
+/// From `a` to `b`; rotations by the shorter way.
+Offset offsetBetween(const JointPose& a, const JointPose& b) {
+  Offset d;
+  d.head<3>() = b.gripper.translation - a.gripper.translation;
+  d.segment<3>(3) = logSO3(Eigen::Quaterniond(a.gripper.rotation.conjugate() * b.gripper.rotation));
+  d.tail<3>() << b.base.x - a.base.x, b.base.y - a.base.y, wrapAngle(b.base.theta - a.base.theta);
+  return d;
+}
 
-JointPose shifted(const JointPose& pose, const Offset& a, double share_a, const Offset& b,
-                  double share_b) {
-  const Vec<double, 3> turn = share_a * a.gripper_rotation + share_b * b.gripper_rotation;
-  const Vec<double, 3> drive = share_a * a.base + share_b * b.base;
+JointPose shifted(const JointPose& pose, const Offset& d) {
+  const Vec<double, 3> turn = d.segment<3>(3);
   JointPose result;
-  result.gripper.translation =
-      pose.gripper.translation + share_a * a.gripper_translation + share_b * b.gripper_translation;
+  result.gripper.translation = pose.gripper.translation + d.head<3>();
   result.gripper.rotation = (pose.gripper.rotation * expSO3<double>(turn)).normalized();
-  result.base = Pose2(pose.base.x + drive[0], pose.base.y + drive[1], pose.base.theta + drive[2]);
+  result.base = Pose2(pose.base.x + d[6], pose.base.y + d[7], pose.base.theta + d[8]);
   return result;
+}
+
+/// Quintic with value 0 and slope 1 at s = 0 and neither value, slope nor
+/// curvature elsewhere at the ends of [0, 1]; 0 outside.
+double slopeBlend(double s) {
+  s = std::clamp(s, 0.0, 1.0);
+  return s * (1 - s * s * (6 - s * (8 - 3 * s)));
 }
 
 /// A segment placed in the world.
@@ -67,7 +72,33 @@ class PlacedSegment {
   const Pose& world_T_object_;
 };
 
-/// The regression from phase 0 to 1, carried to the given ends.
+/// What is added to the regression near one end of a segment: an offset that
+/// carries it to the pose it should have there, and a change of velocity that
+/// lets it stand still there.
+struct EndCorrection {
+  Offset offset;
+  Offset slope;  ///< per unit of phase, away from the end
+
+  /// `outside` is the pose wanted where the regression has `pose`, and `inner` the
+  /// regression a little inside, at distance `step` in phase.
+  EndCorrection(const JointPose& outside, const JointPose& pose, const JointPose& inner,
+                double step)
+      : offset(offsetBetween(pose, outside)), slope(-offsetBetween(pose, inner) / step) {
+    // Velocity of the shifted rotation R exp(d): exp(-d) w + J(d) d' = 0.
+    const Vec<double, 3> d = offset.segment<3>(3);
+    const Vec<double, 3> w = slope.segment<3>(3);
+    const Vec<double, 3> back = -d;
+    slope.segment<3>(3) = inverseRightJacobianSO3(d) * (expSO3<double>(back) * w);
+  }
+
+  /// The correction at distance `s` in phase from the end.
+  Offset at(double s, double offset_share) const {
+    return (1 - minimumJerk(s / offset_share)) * offset +
+           kRestShare * slopeBlend(s / kRestShare) * slope;
+  }
+};
+
+/// The regression from phase 0 to 1, carried to the given ends, at rest there.
 std::vector<JointPose> segmentPath(const PlacedSegment& segment, const JointPose& from,
                                    const JointPose& to, const ReproduceOptions& options) {
   const double wanted =
@@ -77,15 +108,14 @@ std::vector<JointPose> segmentPath(const PlacedSegment& segment, const JointPose
                 "segment '" + segment.model().name + "' would have too many samples");
   }
   const auto steps = static_cast<int>(wanted);
-  const Offset at_start(segment.at(0), from);
-  const Offset at_end(segment.at(1), to);
+  const EndCorrection start(from, segment.at(0), segment.at(kSlopeStep), kSlopeStep);
+  const EndCorrection end(to, segment.at(1), segment.at(1 - kSlopeStep), kSlopeStep);
   std::vector<JointPose> path;
   path.reserve(static_cast<std::size_t>(steps) + 1);
   for (int i = 0; i <= steps; ++i) {
     const double phase = static_cast<double>(i) / steps;
     JointPose pose =
-        shifted(segment.at(phase), at_start, 1 - minimumJerk(phase / options.blend_share), at_end,
-                minimumJerk(phase));
+        shifted(segment.at(phase), start.at(phase, options.blend_share) + end.at(1 - phase, 1));
     const double previous = path.empty() ? from.base.theta : path.back().base.theta;
     pose.base.theta = previous + wrapAngle(pose.base.theta - previous);
     path.push_back(pose);
@@ -129,9 +159,8 @@ void sampleSegment(const PlacedSegment& segment, const std::vector<JointPose>& p
 /// The state in which one segment hands over to the next: half way between what
 /// both learned of it.
 JointPose handOver(const PlacedSegment& before, const PlacedSegment& after) {
-  return interpolate(before.end(),
-                     shifted(before.end(), Offset(before.end(), after.start()), 1, Offset(), 0),
-                     0.5);
+  const JointPose end = before.end();
+  return shifted(end, 0.5 * offsetBetween(end, after.start()));
 }
 
 void appendAction(const PlacedModel& placed, int action, const ReproduceOptions& options,

@@ -43,8 +43,9 @@ struct PlacedModel {
 /// Generates the motion of a learned task for an object at world_T_object: the
 /// regression of every segment, moved to the object, its ends carried to the
 /// common states between the segments (and to the start given) by offsets that
-/// fade with the minimum-jerk polynomial (Flash and Hogan 1985); then slowed down
-/// where a speed limit asks for it, and sampled. The first point is the start and
+/// fade with the minimum-jerk polynomial (Flash and Hogan 1985), and brought to
+/// rest there, where the gripper closes and opens; then slowed down where a speed
+/// limit asks for it, and sampled. The first point is the start and
 /// the end of every segment is a point. The path depends on the start only while
 /// the offset fades, so the grasp is met exactly from anywhere. Throws
 /// Error(kUsage) for options out of range, Error(kNoResult) for a model without

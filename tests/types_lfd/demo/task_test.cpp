@@ -222,5 +222,13 @@ TEST_F(ReadDemonstrations, NamesIntervalsThatDoNotOverlap) {
       << diagnostics_.text();
 }
 
+TEST_F(ReadDemonstrations, WarnsOfLongGaps) {
+  std::string hand = "0 1 2 3 0 0 0 1\n";
+  for (int i = 0; i < 9; ++i) hand += std::to_string(9 + i) + " 1 2 3 0 0 0 1\n";
+  read(hand, "0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n");
+  EXPECT_EQ(diagnostics_.text(),
+            directory_ + "/h.tum: warning: no pose for 9 s after 0; tuples there are interpolated");
+}
+
 }  // namespace
 }  // namespace graft::lfd

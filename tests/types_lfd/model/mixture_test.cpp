@@ -186,11 +186,57 @@ TEST(Mixture, BicFindsTheNumberOfComponents) {
                                 0.3 * randomCovariance(3, random)};
       samples.middleCols(200 * k, 200) = sampleComponent(c, 200, random);
     }
-    const EmResult fit = selectMixture(samples, EmOptions());
+    EmOptions options;
+    options.maximum_components = 7;
+    const EmResult fit = selectMixture(samples, options);
     EXPECT_EQ(fit.score.components, truth);
-    ASSERT_EQ(fit.curve.size(), 12U);
+    ASSERT_EQ(fit.curve.size(), 7U);
     for (const ComponentScore& s : fit.curve) EXPECT_GE(s.bic, fit.score.bic);
   }
+}
+
+TEST(Mixture, GroupsShareTheirComponent) {
+  // Four demonstrations far apart from one another: clusters each, if it were not
+  // for the groups.
+  std::mt19937_64 random(9);
+  const Eigen::Index steps = 50;
+  Eigen::MatrixXd samples(2, 4 * steps);
+  for (Eigen::Index d = 0; d < 4; ++d) {
+    for (Eigen::Index i = 0; i < steps; ++i) {
+      const double t = static_cast<double>(i) / (steps - 1);
+      samples.col(d * steps + i) << t, 3.0 * static_cast<double>(d) + (t < 0.5 ? t : 1 - t);
+    }
+  }
+  samples.row(1) += 0.01 * normalMatrix(1, 4 * steps, random);
+  const EmResult grouped = fitMixture(samples, 4, EmOptions(), SampleGroups{steps});
+  for (const GaussianComponent& c : grouped.mixture.components) {
+    EXPECT_GT(c.covariance(1, 1), 5);     // all four demonstrations ...
+    EXPECT_LT(c.covariance(0, 0), 0.02);  // ... at one time
+  }
+  for (const double t : {0.1, 0.25, 0.9}) {
+    const double mean = 4.5 + (t < 0.5 ? t : 1 - t);
+    EXPECT_NEAR(grouped.mixture.atTime(t).mean[0], mean, 0.03);
+  }
+  for (std::size_t i = 1; i < grouped.history.size(); ++i) {
+    EXPECT_GE(grouped.history[i], grouped.history[i - 1] - 1e-9 * std::abs(grouped.history[i]));
+  }
+  // Its likelihood by brute force.
+  double likelihood = 0;
+  for (Eigen::Index g = 0; g < steps; ++g) {
+    Eigen::MatrixXd terms(4, 1);
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      GaussianMixture one;
+      one.components.push_back(grouped.mixture.components[static_cast<std::size_t>(k)]);
+      terms(k, 0) = std::log(one.components[0].weight);
+      one.components[0].weight = 1;
+      for (Eigen::Index d = 0; d < 4; ++d) {
+        terms(k, 0) += one.logLikelihood(samples.col(d * steps + g));
+      }
+    }
+    likelihood += logSumExp(terms)[0];
+  }
+  EXPECT_NEAR(grouped.score.log_likelihood, likelihood, 1e-8 * std::abs(likelihood));
+  EXPECT_THROW(fitMixture(samples, 2, EmOptions(), SampleGroups{3}), Error);
 }
 
 TEST(Mixture, UnitsDoNotMatter) {

@@ -101,7 +101,7 @@ TEST(FitSegment, FollowsTheDemonstrations) {
   const SegmentModel model = fitSegment("reach", demonstrations, FitOptions(), &report);
   EXPECT_EQ(model.demonstrations, 5);
   EXPECT_NEAR(model.duration, (3 + 3.5 + 4 + 3 + 3.5) / 5, 1e-12);
-  EXPECT_EQ(model.selection.size(), 12U);
+  EXPECT_EQ(model.selection.size(), 15U);
   // Demonstrations differ by a bend of about 3 cm; the mean stays within that.
   for (const auto& d : demonstrations) {
     const double first = d.samples.front().time;

@@ -119,6 +119,28 @@ TEST_F(Reproduce, IsContinuousAndEvenlyTimed) {
   }
 }
 
+TEST_F(Reproduce, RestsWhereSegmentsMeet) {
+  ReproduceOptions options;
+  options.start_gripper =
+      Pose(Vec<double, 3>(-0.5, 0.8, 1.4), expSO3<double>(Vec<double, 3>(1.5, -0.6, 0.8)));
+  options.rate = 200;
+  const auto motion = reproduceMotion(model_, SyntheticTask::objectAt(0, 0, 0), options);
+  const auto speedAt = [&](std::size_t i) {
+    return leastTime({motion[i - 1].gripper, motion[i - 1].base},
+                     {motion[i].gripper, motion[i].base}, {1, 1, 1, 1}) *
+           options.rate;
+  };
+  double fastest = 0;
+  for (std::size_t i = 1; i < motion.size(); ++i) fastest = std::max(fastest, speedAt(i));
+  EXPECT_LT(speedAt(1), 0.03 * fastest);
+  EXPECT_LT(speedAt(motion.size() - 1), 0.03 * fastest);
+  for (std::size_t i = 1; i + 1 < motion.size(); ++i) {
+    if (motion[i].segment == motion[i + 1].segment) continue;
+    EXPECT_LT(speedAt(i), 0.03 * fastest) << i;
+    EXPECT_LT(speedAt(i + 1), 0.03 * fastest) << i;
+  }
+}
+
 TEST_F(Reproduce, SlowLimitsStretchTimeButKeepThePath) {
   ReproduceOptions slow;
   slow.limits = {0.1, 0.2, 0.05, 0.1};

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <cmath>
+
+#include "apps/report/axes.hpp"
+#include "apps/report/pictures.hpp"
+
+namespace graft::report {
+
+namespace {
+
+constexpr double kWidth = 960;
+constexpr double kPanel = 410;
+constexpr double kTop = 34;
+constexpr double kNear = 0.35;      ///< m: grasps farther from the chosen one are not shown
+constexpr double kApproach = 0.03;  ///< m, length of a grasp's approach direction
+
+/// The two projections: x and y, x and z of the object's frame.
+constexpr std::array<int, 2> kVertical{1, 2};
+
+struct Dots {
+  std::vector<Vec<double, 3>> points;
+  const char* classes;
+};
+
+/// Positions of `which` seen from the object over the manipulation (or at the
+/// grasp tuples only).
+template <class Track>
+std::vector<Vec<double, 3>> seenFromObject(const std::vector<lfd::DemonstrationEstimate>& demos,
+                                           Track track, bool grasp_only) {
+  std::vector<Vec<double, 3>> points;
+  for (const lfd::DemonstrationEstimate& demo : demos) {
+    if (demo.size() == 0) continue;
+    const std::size_t last =
+        std::min(grasp_only ? demo.segments.grasp : demo.segments.release, demo.size() - 1);
+    for (std::size_t i = demo.segments.grasp; i <= last; ++i) {
+      points.push_back((demo.object[i].inverse() * track(demo)[i]).translation);
+    }
+  }
+  return points;
+}
+
+const std::vector<Pose>& handOf(const lfd::DemonstrationEstimate& demo) { return demo.hand; }
+const std::vector<Pose>& gripperOf(const lfd::DemonstrationEstimate& demo) { return demo.gripper; }
+
+/// A grasp as a dot with a line back along its approach.
+struct Sample {
+  Pose object_T_gripper;
+  bool valid;
+};
+
+/// All grasps of the task's file; those below the quality asked for are in the
+/// file only. Where it is gone, the valid ones are all there is.
+std::vector<Sample> samplesNear(const lfd::LearnResult& result, const Vec<double, 3>& center) {
+  std::vector<Sample> samples;
+  const auto near = [&](const lfd::Grasp& grasp) {
+    return (grasp.object_T_gripper.translation - center).norm() <= kNear;
+  };
+  Diagnostics ignored;
+  try {
+    const lfd::GraspSet all = lfd::GraspSet::read(result.task.task.grasps, 0, ignored);
+    for (const lfd::Grasp& grasp : all.valid()) {
+      if (grasp.quality < result.task.task.min_quality && near(grasp)) {
+        samples.push_back({grasp.object_T_gripper, false});
+      }
+    }
+  } catch (const Error&) {
+    samples.clear();
+  }
+  if (result.scene.grasps == nullptr) return samples;
+  for (const lfd::Grasp& grasp : result.scene.grasps->valid()) {
+    if (near(grasp)) samples.push_back({grasp.object_T_gripper, true});
+  }
+  return samples;
+}
+
+void drawSamples(Svg& svg, const Axes& axes, int v, const std::vector<Sample>& samples) {
+  PathData valid_dots;
+  PathData valid_lines;
+  PathData invalid;
+  for (const Sample& sample : samples) {
+    const Vec<double, 3> p = sample.object_T_gripper.translation;
+    if (!sample.valid) {
+      invalid.cross(axes.at(p[0], p[v]), 2.5);
+      continue;
+    }
+    const Vec<double, 3> back = sample.object_T_gripper * Vec<double, 3>(-kApproach, 0, 0);
+    valid_dots.dot(axes.at(p[0], p[v]));
+    valid_lines.moveTo(axes.at(back[0], back[v]));
+    valid_lines.lineTo(axes.at(p[0], p[v]));
+  }
+  svg.path(invalid, "s-muted w1 soft");
+  svg.path(valid_lines, "s-base w1 soft");
+  svg.path(valid_dots, "s-base w5");
+}
+
+void drawChoice(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& result) {
+  const auto ring = [&](const lfd::GraspSet::Choice& choice, const char* classes, double radius) {
+    const lfd::GraspSet* grasps = result.scene.grasps.get();
+    if (grasps == nullptr || choice.index < 0 ||
+        std::size_t(choice.index) >= grasps->valid().size()) {
+      return;
+    }
+    const Vec<double, 3> p = grasps->pose(choice).translation;
+    svg.circle(axes.at(p[0], p[v]), radius, classes);
+  };
+  ring(result.grasp.runner_up, "s-muted w2 dash", 9);
+  ring(result.grasp.choice, "s-ink w2", 9);
+}
+
+void drawPanel(Svg& svg, const Axes& axes, int v, const std::vector<Dots>& clouds,
+               const std::vector<Sample>& samples, const lfd::LearnResult& result) {
+  axes.draw(svg, "x of the object, m", std::string(1, "xyz"[v]) + " of the object, m");
+  svg.beginClip({axes.box().x, axes.box().y}, axes.box().width, axes.box().height);
+  PathData origin;
+  origin.polyline({axes.at(axes.x().low, 0), axes.at(axes.x().high, 0)});
+  origin.polyline({axes.at(0, axes.y().low), axes.at(0, axes.y().high)});
+  svg.path(origin, "s-muted w1 soft dash");
+  drawSamples(svg, axes, v, samples);
+  for (const Dots& cloud : clouds) {
+    PathData dots;
+    for (const auto& p : cloud.points) dots.dot(axes.at(p[0], p[v]));
+    svg.path(dots, cloud.classes);
+  }
+  drawChoice(svg, axes, v, result);
+  svg.endClip();
+}
+
+/// Two panels of the same scale and the same x.
+std::array<Axes, 2> panels(const std::vector<Dots>& clouds, const std::vector<Sample>& samples) {
+  std::array<Range, 3> range;
+  const auto include = [&](const Vec<double, 3>& p) {
+    for (int k = 0; k < 3; ++k) range[std::size_t(k)].include(p[k]);
+  };
+  for (const Dots& cloud : clouds) {
+    for (const auto& p : cloud.points) include(p);
+  }
+  for (const Sample& sample : samples) include(sample.object_T_gripper.translation);
+  double size = 0.06;
+  for (Range& r : range) {
+    r = r.padded(0.08, 0.04);
+    size = std::max(size, r.size());
+  }
+  const auto make = [&](double x, int v) {
+    return Axes::equal({x, kTop, kPanel, kPanel}, range[0].padded(0, size),
+                       range[std::size_t(v)].padded(0, size));
+  };
+  return {make(58, kVertical[0]), make(58 + kPanel + 74, kVertical[1])};
+}
+
+}  // namespace
+
+Picture graspPicture(const lfd::LearnResult& result) {
+  const std::vector<Dots> clouds{{seenFromObject(result.before, handOf, false), "s-hand w3 faint"},
+                                 {seenFromObject(result.after, handOf, false), "s-hand w3"},
+                                 {seenFromObject(result.after, gripperOf, false), "s-gripper w3"},
+                                 {seenFromObject(result.after, gripperOf, true), "s-gripper w5"}};
+  const std::vector<Sample> samples =
+      samplesNear(result, result.grasp.object_T_gripper.translation);
+  bool invalid = false;
+  for (const Sample& sample : samples) invalid = invalid || !sample.valid;
+  std::vector<LegendEntry> legend{{Mark::kDot, "s-hand w5 faint", "hand as recorded"},
+                                  {Mark::kDot, "s-hand w5", "hand, optimized"},
+                                  {Mark::kDot, "s-gripper w5", "gripper (large: at the grasp)"},
+                                  {Mark::kDot, "s-base w5", "valid grasp and its approach"}};
+  if (invalid) legend.push_back({Mark::kCross, "s-muted w1", "grasp of too low quality"});
+  legend.push_back({Mark::kRing, "s-ink w2", "chosen"});
+  if (result.grasp.runner_up.index >= 0) {
+    legend.push_back({Mark::kRing, "s-muted w2 dash", "runner-up"});
+  }
+  const double below = kTop + kPanel + 44;
+  const double height = drawLegend(nullptr, {}, kWidth - 58, legend);
+  Svg svg(kWidth, below + height + 6);
+  const std::array<Axes, 2> axes = panels(clouds, samples);
+  const char* titles[] = {"Seen along z of the object", "Seen along y of the object"};
+  for (std::size_t k = 0; k < 2; ++k) {
+    svg.text({axes[k].box().x, 18}, titles[k], "title");
+    drawPanel(svg, axes[k], kVertical[k], clouds, samples, result);
+  }
+  drawLegend(&svg, {58, below}, kWidth - 58, legend);
+  return {"grasp", "The grasp, seen from the object",
+          "Hand and gripper while the object is manipulated, in the object's frame. The recorded "
+          "hand scatters; the optimized gripper gathers at the chosen grasp instead of imitating "
+          "the hand, whose grip would not fit the robot.",
+          svg};
+}
+
+Picture holdsPicture(const lfd::LearnResult& result) {
+  const std::vector<Pose>& holds = result.spread.object_T_hand;
+  Dots dots{{}, "s-hand w5"};
+  for (const Pose& pose : holds) dots.points.push_back(pose.translation);
+  const std::array<Axes, 2> axes = panels({dots}, {});
+  Svg svg(kWidth, kTop + kPanel + 44);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const int v = kVertical[k];
+    svg.text({axes[k].box().x, 18},
+             k == 0 ? "Seen along z of the object" : "Seen along y of the object", "title");
+    axes[k].draw(svg, "x of the object, m", std::string(1, "xyz"[v]) + " of the object, m");
+    PathData path;
+    for (std::size_t d = 0; d < holds.size(); ++d) {
+      const Point p = axes[k].at(dots.points[d][0], dots.points[d][v]);
+      path.dot(p);
+      const std::string name = d < result.task.demonstrations.size()
+                                   ? result.task.demonstrations[d].matched.name
+                                   : std::to_string(d + 1);
+      const bool left = p.x > axes[k].box().x + 0.75 * axes[k].box().width;
+      svg.text({p.x + (left ? -7 : 7), p.y + 4}, name, "small",
+               left ? Anchor::kEnd : Anchor::kStart);
+    }
+    svg.path(path, dots.classes);
+  }
+  return {"holds", "Where each demonstration holds the object",
+          "Mean position of the hand in the object's frame while it is manipulated. A shared grasp "
+          "needs these points, and the hand's orientation there, to agree.",
+          svg};
+}
+
+}  // namespace graft::report
