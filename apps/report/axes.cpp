@@ -75,7 +75,7 @@ std::vector<std::string> tickLabels(const std::vector<double>& ticks) {
       const int power = int(std::floor(std::log10(std::abs(tick)) + 1e-9));
       labels.push_back(shortNumber(tick / std::pow(10.0, power)) + "e" + std::to_string(power));
     } else {
-      labels.push_back(fixedNumber(tick, std::min(decimals, 6)));
+      labels.push_back(fixedNumber(tick, std::min(decimals, 12)));
     }
   }
   return labels;

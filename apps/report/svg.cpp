@@ -220,7 +220,7 @@ void Svg::circle(Point center, double radius, std::string_view classes) {
 
 void Svg::rect(Point corner, double width, double height, std::string_view classes,
                double corner_radius) {
-  if (!finite(corner) || !(width >= 0) || !(height >= 0)) return;
+  if (!finite(corner) || !finite({width, height}) || width < 0 || height < 0) return;
   open("rect");
   attribute("class", classes);
   attribute("x", corner.x);
