@@ -152,17 +152,18 @@ std::array<Axes, 2> panels(const std::vector<Dots>& clouds, const std::vector<Sa
 
 Picture graspPicture(const lfd::LearnResult& result) {
   const std::vector<Dots> clouds{{seenFromObject(result.before, handOf, false), "s-hand w3 faint"},
-                                 {seenFromObject(result.after, handOf, false), "s-hand w3"},
-                                 {seenFromObject(result.after, gripperOf, false), "s-gripper w3"},
-                                 {seenFromObject(result.after, gripperOf, true), "s-gripper w5"}};
+                                 {seenFromObject(result.before, handOf, true), "s-hand w5 soft"},
+                                 {seenFromObject(result.after, handOf, false), "s-hand w6"},
+                                 {seenFromObject(result.after, gripperOf, false), "s-gripper w6"}};
   const std::vector<Sample> samples =
       samplesNear(result, result.grasp.object_T_gripper.translation);
   bool invalid = false;
   for (const Sample& sample : samples) invalid = invalid || !sample.valid;
-  std::vector<LegendEntry> legend{{Mark::kDot, "s-hand w5 faint", "hand as recorded"},
-                                  {Mark::kDot, "s-hand w5", "hand, optimized"},
-                                  {Mark::kDot, "s-gripper w5", "gripper (large: at the grasp)"},
-                                  {Mark::kDot, "s-base w5", "valid grasp and its approach"}};
+  std::vector<LegendEntry> legend{
+      {Mark::kDot, "s-hand w5 soft", "hand as recorded (large: at the grasp)"},
+      {Mark::kDot, "s-hand w6", "hand, optimized"},
+      {Mark::kDot, "s-gripper w6", "gripper, optimized"},
+      {Mark::kDot, "s-base w5", "valid grasp and its approach"}};
   if (invalid) legend.push_back({Mark::kCross, "s-muted w1", "grasp of too low quality"});
   legend.push_back({Mark::kRing, "s-ink w2", "chosen"});
   if (result.grasp.runner_up.index >= 0) {

@@ -115,8 +115,8 @@ void addTable(Page& page, const lfd::LearnResult& result) {
     std::vector<std::string> line{row.label, formatValue(row.before, row.unit),
                                   formatValue(row.after, row.unit)};
     if (paper) {
-      line.push_back(formatValue(row.paper_before, row.unit));
-      line.push_back(formatValue(row.paper_after, row.unit));
+      line.push_back(formatGiven(row.paper_before, row.unit));
+      line.push_back(formatGiven(row.paper_after, row.unit));
     }
     cells.push_back(line);
   }
@@ -142,10 +142,10 @@ void addGrasp(Page& page, const lfd::LearnResult& result) {
   page.heading("The grasp");
   std::string text = "Row " + std::to_string(grasp.row) + " of the grasp file";
   if (grasp.choice.flipped) text += ", turned by 180\u00B0 about its approach,";
-  text += " was chosen; its cost is " + shortNumber(grasp.choice.cost, 3) + ".";
+  text += " was chosen; its cost is " + roughNumber(grasp.choice.cost) + ".";
   if (grasp.runner_up.index >= 0) {
     text += " The runner-up is row " + std::to_string(grasp.runner_up_row) + " with cost " +
-            shortNumber(grasp.runner_up.cost, 3) + ".";
+            roughNumber(grasp.runner_up.cost) + ".";
   } else {
     text += " There is no other valid grasp.";
   }
@@ -191,12 +191,13 @@ void addDisagreement(Page& page, const lfd::LearnResult& result) {
 void addSolve(Page& page, const lfd::LearnResult& result) {
   const Summary& summary = result.summary;
   page.heading("Optimization");
-  std::string text = "Status: " + std::string(statusName(summary.status));
+  std::string status = statusName(summary.status);
+  std::replace(status.begin(), status.end(), '_', ' ');
+  std::string text = "Status: " + status;
   if (!summary.reason.empty()) text += " (" + summary.reason + ")";
   text +=
       " after " + plural(std::size_t(summary.iterationCount()), "iteration") + "; \u03C7\u00B2 " +
-      shortNumber(summary.chi2_initial, 1) + " \u2192 " + shortNumber(summary.chi2_final, 1) +
-      ". " +
+      roughNumber(summary.chi2_initial) + " \u2192 " + roughNumber(summary.chi2_final) + ". " +
       plural(std::size_t(std::max<std::int64_t>(0, summary.associations_changed)), "association") +
       " with grasps and reachable cells changed on the way.";
   page.paragraph(text);
