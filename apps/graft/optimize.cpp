@@ -135,7 +135,9 @@ ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
 
   const auto write_start = Clock::now();
   if (!options.output.empty() && summary.usable()) {
-    writeFileAtomically(options.output, formatG2o(loaded.graph, loaded.values));
+    writeFileAtomically(options.output,
+                        formatG2o(loaded.graph, loaded.values,
+                                  {directoryOf(options.input), directoryOf(options.output)}));
   }
   if (!options.covariance.empty() && summary.usable()) {
     writeFileAtomically(options.covariance, formatCovariances(loaded, *engine));
