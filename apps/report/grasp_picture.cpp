@@ -18,6 +18,10 @@ constexpr double kApproach = 0.03;  ///< m, length of a grasp's approach directi
 /// The two projections: x and y, x and z of the object's frame.
 constexpr std::array<int, 2> kVertical{1, 2};
 
+constexpr const char* kTitles[] = {"Seen along z of the object", "Seen along y of the object"};
+
+std::string verticalName(int axis) { return std::string(1, "xyz"[axis]) + " of the object, m"; }
+
 struct Dots {
   std::vector<Vec<double, 3>> points;
   const char* classes;
@@ -110,7 +114,7 @@ void drawChoice(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& resul
 
 void drawPanel(Svg& svg, const Axes& axes, int v, const std::vector<Dots>& clouds,
                const std::vector<Sample>& samples, const lfd::LearnResult& result) {
-  axes.draw(svg, "x of the object, m", std::string(1, "xyz"[v]) + " of the object, m");
+  axes.draw(svg, "x of the object, m", verticalName(v));
   svg.beginClip({axes.box().x, axes.box().y}, axes.box().width, axes.box().height);
   PathData origin;
   origin.polyline({axes.at(axes.x().low, 0), axes.at(axes.x().high, 0)});
@@ -173,9 +177,8 @@ Picture graspPicture(const lfd::LearnResult& result) {
   const double height = drawLegend(nullptr, {}, kWidth - 58, legend);
   Svg svg(kWidth, below + height + 6);
   const std::array<Axes, 2> axes = panels(clouds, samples);
-  const char* titles[] = {"Seen along z of the object", "Seen along y of the object"};
   for (std::size_t k = 0; k < 2; ++k) {
-    svg.text({axes[k].box().x, 18}, titles[k], "title");
+    svg.text({axes[k].box().x, 18}, kTitles[k], "title");
     drawPanel(svg, axes[k], kVertical[k], clouds, samples, result);
   }
   drawLegend(&svg, {58, below}, kWidth - 58, legend);
@@ -186,29 +189,61 @@ Picture graspPicture(const lfd::LearnResult& result) {
           svg};
 }
 
+namespace {
+
+/// Points that would be labelled on top of each other, and the names there.
+struct Label {
+  Point at;
+  std::vector<std::string> names;
+
+  std::string text() const {
+    std::string all = names.front();
+    for (std::size_t i = 1; i < std::min<std::size_t>(3, names.size()); ++i) all += ", " + names[i];
+    return names.size() > 3 ? all + " and " + std::to_string(names.size() - 3) + " more" : all;
+  }
+};
+
+void addLabel(std::vector<Label>& labels, Point at, const std::string& name) {
+  constexpr double kTooNear = 13;
+  for (Label& label : labels) {
+    if (std::abs(label.at.y - at.y) > kTooNear || std::abs(label.at.x - at.x) > 5 * kTooNear) {
+      continue;
+    }
+    label.names.push_back(name);
+    return;
+  }
+  labels.push_back({at, {name}});
+}
+
+void drawHolds(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& result) {
+  PathData dots;
+  std::vector<Label> labels;
+  for (std::size_t d = 0; d < result.spread.object_T_hand.size(); ++d) {
+    const Vec<double, 3>& p = result.spread.object_T_hand[d].translation;
+    dots.dot(axes.at(p[0], p[v]));
+    addLabel(labels, axes.at(p[0], p[v]),
+             d < result.task.demonstrations.size() ? result.task.demonstrations[d].matched.name
+                                                   : std::to_string(d + 1));
+  }
+  for (const Label& label : labels) {
+    const bool left = label.at.x > axes.box().x + 0.6 * axes.box().width;
+    svg.text({label.at.x + (left ? -8 : 8), label.at.y + 4}, label.text(), "small",
+             left ? Anchor::kEnd : Anchor::kStart);
+  }
+  svg.path(dots, "s-hand w6");
+}
+
+}  // namespace
+
 Picture holdsPicture(const lfd::LearnResult& result) {
-  const std::vector<Pose>& holds = result.spread.object_T_hand;
-  Dots dots{{}, "s-hand w5"};
-  for (const Pose& pose : holds) dots.points.push_back(pose.translation);
+  Dots dots{{}, ""};
+  for (const Pose& pose : result.spread.object_T_hand) dots.points.push_back(pose.translation);
   const std::array<Axes, 2> axes = panels({dots}, {});
   Svg svg(kWidth, kTop + kPanel + 44);
   for (std::size_t k = 0; k < 2; ++k) {
-    const int v = kVertical[k];
-    svg.text({axes[k].box().x, 18},
-             k == 0 ? "Seen along z of the object" : "Seen along y of the object", "title");
-    axes[k].draw(svg, "x of the object, m", std::string(1, "xyz"[v]) + " of the object, m");
-    PathData path;
-    for (std::size_t d = 0; d < holds.size(); ++d) {
-      const Point p = axes[k].at(dots.points[d][0], dots.points[d][v]);
-      path.dot(p);
-      const std::string name = d < result.task.demonstrations.size()
-                                   ? result.task.demonstrations[d].matched.name
-                                   : std::to_string(d + 1);
-      const bool left = p.x > axes[k].box().x + 0.75 * axes[k].box().width;
-      svg.text({p.x + (left ? -7 : 7), p.y + 4}, name, "small",
-               left ? Anchor::kEnd : Anchor::kStart);
-    }
-    svg.path(path, dots.classes);
+    svg.text({axes[k].box().x, 18}, kTitles[k], "title");
+    axes[k].draw(svg, "x of the object, m", verticalName(kVertical[k]));
+    drawHolds(svg, axes[k], kVertical[k], result);
   }
   return {"holds", "Where each demonstration holds the object",
           "Mean position of the hand in the object's frame while it is manipulated. A shared grasp "

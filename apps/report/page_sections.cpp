@@ -19,6 +19,8 @@ std::string metres(double value) {
 
 std::string degrees(double value) { return shortNumber(kDegrees * value, 2) + "\u00B0"; }
 
+std::string wholeDegrees(double value) { return fixedNumber(kDegrees * value, 0) + "\u00B0"; }
+
 std::string plural(std::size_t count, const std::string& noun) {
   return groupedNumber(count) + " " + noun + (count == 1 ? "" : "s");
 }
@@ -47,7 +49,6 @@ std::vector<std::string> remarks(const lfd::LearnResult& result) {
     lines.push_back("The task has no map: collisions of the base were not considered.");
   }
   if (!result.common_grasp) return lines;
-  lines.insert(lines.end(), result.summary.notes.begin(), result.summary.notes.end());
   std::size_t unsolved = 0;
   std::size_t too_fast = 0;
   for (const lfd::IkTrack& track : result.joints) {
@@ -178,9 +179,9 @@ void addDisagreement(Page& page, const lfd::LearnResult& result) {
   page.paragraph(
       "The demonstrations hold the object in different ways, so there is no single grasp "
       "to learn. Nothing was optimized. They differ by up to " +
-          metres(result.spread.distance) + " and " + degrees(result.spread.angle) +
+          metres(result.spread.distance) + " and " + wholeDegrees(result.spread.angle) +
           "; the same grasp means within " + metres(lfd::kSameGraspDistance) + " and " +
-          degrees(lfd::kSameGraspAngle) + ".",
+          wholeDegrees(lfd::kSameGraspAngle) + ".",
       "warning");
   page.list(lfd::describeDisagreement(result));
   page.paragraph(
@@ -201,6 +202,7 @@ void addSolve(Page& page, const lfd::LearnResult& result) {
       plural(std::size_t(std::max<std::int64_t>(0, summary.associations_changed)), "association") +
       " with grasps and reachable cells changed on the way.";
   page.paragraph(text);
+  if (!summary.notes.empty()) page.list(summary.notes, "plain quiet");
 }
 
 void addModel(Page& page, const lfd::LearnResult& result) {

@@ -124,10 +124,9 @@ TEST(Report, MapsCountFootprintsAndReach) {
       }
     }
     colliding_somewhere += colliding;
-    const std::string caption = printed(100.0 * double(unreachable) / double(tuples), "%.1f %%") +
-                                " of the bases cannot reach the gripper, " +
-                                printed(100.0 * double(colliding) / double(tuples), "%.1f %%") +
-                                " collide with the map.";
+    const std::string caption =
+        "Out of reach: " + printed(100.0 * double(unreachable) / double(tuples), "%.1f %%") +
+        ". In collision: " + printed(100.0 * double(colliding) / double(tuples), "%.1f %%") + ".";
     EXPECT_TRUE(has(files.at("report.html"), caption)) << caption;
     // One closed line of four corners per footprint in collision.
     const std::string& svg =
