@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -191,44 +192,44 @@ Picture graspPicture(const lfd::LearnResult& result) {
 
 namespace {
 
-/// Points that would be labelled on top of each other, and the names there.
-struct Label {
-  Point at;
-  std::vector<std::string> names;
-
-  std::string text() const {
-    std::string all = names.front();
-    for (std::size_t i = 1; i < std::min<std::size_t>(3, names.size()); ++i) all += ", " + names[i];
-    return names.size() > 3 ? all + " and " + std::to_string(names.size() - 3) + " more" : all;
-  }
-};
-
-void addLabel(std::vector<Label>& labels, Point at, const std::string& name) {
-  constexpr double kTooNear = 13;
-  for (Label& label : labels) {
-    if (std::abs(label.at.y - at.y) > kTooNear || std::abs(label.at.x - at.x) > 5 * kTooNear) {
-      continue;
+/// A name beside a point, moved down until it covers no other.
+class Labels {
+ public:
+  void add(Svg& svg, const Box& panel, Point at, const std::string& name) {
+    constexpr double kLine = 12;
+    constexpr double kCharacter = 5.8;
+    const bool left = at.x > panel.x + 0.6 * panel.width;
+    const double width = kCharacter * double(name.size());
+    Box box{left ? at.x - 8 - width : at.x + 8, at.y - 0.5 * kLine, width, kLine};
+    while (std::any_of(taken_.begin(), taken_.end(), [&](const Box& b) {
+      return std::abs(b.y - box.y) < kLine && b.x < box.x + box.width && box.x < b.x + b.width;
+    })) {
+      box.y += 1;
     }
-    label.names.push_back(name);
-    return;
+    taken_.push_back(box);
+    svg.text({left ? at.x - 8 : at.x + 8, box.y + 0.5 * kLine + 4}, name, "small",
+             left ? Anchor::kEnd : Anchor::kStart);
   }
-  labels.push_back({at, {name}});
-}
+  /// Dots keep names off, too.
+  void addDot(Point at) { taken_.push_back({at.x - 4, at.y - 6, 8, 12}); }
+
+ private:
+  std::vector<Box> taken_;
+};
 
 void drawHolds(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& result) {
   PathData dots;
-  std::vector<Label> labels;
-  for (std::size_t d = 0; d < result.spread.object_T_hand.size(); ++d) {
-    const Vec<double, 3>& p = result.spread.object_T_hand[d].translation;
-    dots.dot(axes.at(p[0], p[v]));
-    addLabel(labels, axes.at(p[0], p[v]),
-             d < result.task.demonstrations.size() ? result.task.demonstrations[d].matched.name
-                                                   : std::to_string(d + 1));
+  Labels labels;
+  std::vector<Point> points;
+  for (const Pose& hold : result.spread.object_T_hand) {
+    points.push_back(axes.at(hold.translation[0], hold.translation[v]));
+    dots.dot(points.back());
+    labels.addDot(points.back());
   }
-  for (const Label& label : labels) {
-    const bool left = label.at.x > axes.box().x + 0.6 * axes.box().width;
-    svg.text({label.at.x + (left ? -8 : 8), label.at.y + 4}, label.text(), "small",
-             left ? Anchor::kEnd : Anchor::kStart);
+  for (std::size_t d = 0; d < points.size(); ++d) {
+    labels.add(svg, axes.box(), points[d],
+               d < result.task.demonstrations.size() ? result.task.demonstrations[d].matched.name
+                                                     : std::to_string(d + 1));
   }
   svg.path(dots, "s-hand w6");
 }

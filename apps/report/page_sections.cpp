@@ -14,7 +14,8 @@ constexpr double kDegrees = 180 / 3.14159265358979323846;
 std::string seconds(double value) { return fixedNumber(value, value < 10 ? 2 : 1) + " s"; }
 
 std::string metres(double value) {
-  return value < 0.01 ? shortNumber(1000 * value, 2) + " mm" : shortNumber(100 * value, 2) + " cm";
+  return value < 0.01 ? shortNumber(1000 * value, 2) + " mm"
+                      : shortNumber(100 * value, value < 0.1 ? 2 : 1) + " cm";
 }
 
 std::string degrees(double value) { return shortNumber(kDegrees * value, 2) + "\u00B0"; }
@@ -75,9 +76,12 @@ std::string sigmaText(double sigma, bool rotation) {
 
 void addOverview(Page& page, const lfd::LearnResult& result) {
   page.paragraph(
-      "What the robot learned from watching: the recordings were corrected, a grasp for the "
-      "robot's gripper was chosen, and base positions were found from which the arm reaches all "
-      "of it (method: Welschehold, Dornhege, Burgard, 2017).",
+      result.common_grasp
+          ? "What the robot learned from watching: the recordings were corrected, a grasp for the "
+            "robot's gripper was chosen, and base positions were found from which the arm reaches "
+            "all of it (method: Welschehold, Dornhege, Burgard, 2017)."
+          : "Nothing was learned from these recordings, because the person held the object in "
+            "different ways. Below is how they differ.",
       "quiet");
   double duration = 0;
   for (const lfd::PreparedDemonstration& demo : result.task.demonstrations) {
@@ -183,7 +187,7 @@ void addDisagreement(Page& page, const lfd::LearnResult& result) {
           "; the same grasp means within " + metres(lfd::kSameGraspDistance) + " and " +
           wholeDegrees(lfd::kSameGraspAngle) + ".",
       "warning");
-  page.list(lfd::describeDisagreement(result));
+  page.list(lfd::describeDisagreement(result), "two");
   page.paragraph(
       "Learn from demonstrations that hold the object alike: leave the others out of the "
       "task file, or record them again.");

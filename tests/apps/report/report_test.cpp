@@ -183,6 +183,7 @@ TEST(Report, ExplainsWhyThereIsNoCommonGrasp) {
   EXPECT_EQ(lines.size(), 2u);  // the third of three against each other
   for (const std::string& line : lines) EXPECT_TRUE(has(text, line)) << line;
   EXPECT_TRUE(has(text, "No common grasp"));
+  EXPECT_FALSE(has(text, "learned from demonstrations"));
   EXPECT_EQ(files.count("pictures/holds.svg"), 1u);
   EXPECT_EQ(files.count("pictures/segments.svg"), 1u);
   EXPECT_EQ(files.count("pictures/convergence.svg"), 0u);
