@@ -197,7 +197,7 @@ class Labels {
  public:
   void add(Svg& svg, const Box& panel, Point at, const std::string& name) {
     constexpr double kLine = 12;
-    constexpr double kCharacter = 5.8;
+    constexpr double kCharacter = 6.6;
     const bool left = at.x > panel.x + 0.6 * panel.width;
     const double width = kCharacter * double(name.size());
     Box box{left ? at.x - 8 - width : at.x + 8, at.y - 0.5 * kLine, width, kLine};

@@ -26,7 +26,8 @@ th:first-child,td:first-child{text-align:left}
 th{font-weight:600;border-bottom:1px solid var(--ink)}
 td{border-bottom:1px solid var(--rule)}
 ul{max-width:46rem;padding-left:1.2rem}
-ul.two{columns:2;column-gap:2rem;max-width:none;font-size:.93rem}
+ul.two{columns:2;column-gap:1rem;max-width:none;font-size:.82rem}
+td+td{white-space:nowrap}
 ul.plain{font-size:.93rem;overflow-wrap:anywhere}
 figure{margin:1.4rem 0}
 figure svg{display:block;width:100%;height:auto}
