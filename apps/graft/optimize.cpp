@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <cstdio>
 #include <map>
 
@@ -44,6 +45,9 @@ int threadCount(const std::string& text) {
 }
 
 void refuseContradictions(const OptimizeOptions& options) {
+  if (!(std::isfinite(options.kernel_width) && options.kernel_width > 0)) {
+    throw Error(ExitCode::kUsage, "--kernel-width: expected a positive number");
+  }
   int wanting = 0;
   for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
     if (*path == "-") ++wanting;

@@ -7,6 +7,7 @@
 #include "apps/common/progress.hpp"
 #include "apps/graft_lfd/commands.hpp"
 #include "apps/graft_lfd/session.hpp"
+#include "apps/report/report.hpp"
 #include "types_lfd/learn/result_writer.hpp"
 
 namespace graft::lfd {
@@ -64,6 +65,7 @@ ExitCode run(const Options& options) {
   bars.reset();
   printMessages(diagnostics);
   writeResult(result, out);
+  report::writeReport(result, out);
   out.commit();
   if (!result.common_grasp) {
     for (const std::string& line : describeDisagreement(result)) {

@@ -11,10 +11,13 @@ namespace {
 /// A pivot below this share of the diagonal entry it comes from is rounding.
 constexpr double kPivotShare = 16 * std::numeric_limits<double>::epsilon();
 
+/// Fronts below this are not worth waking other threads for.
+constexpr double kFlopsWorthSharing = 4e6;
+
 }  // namespace
 
 void BlockCholesky::analyze(const graft_block_pattern& pattern) {
-  symbolic_ = analyzePattern(pattern);
+  symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1);
   dims_.assign(pattern.dims, pattern.dims + pattern.block_count);
   offsets_.assign(1, 0);
   for (const std::int32_t dim : dims_) offsets_.push_back(offsets_.back() + dim);
@@ -25,11 +28,33 @@ void BlockCholesky::analyze(const graft_block_pattern& pattern) {
 }
 
 std::int32_t BlockCholesky::factorize(const double* values, const double* damping) {
-  for (std::size_t i = 0; i < symbolic_.supernodes.size(); ++i) {
-    const int bad = factorSupernode(i, values, damping);
-    if (bad >= 0) return blockAt(symbolic_.supernodes[i], bad);
+  struct Failure {
+    std::int32_t supernode = std::numeric_limits<std::int32_t>::max();
+    int column = -1;
+  };
+  std::vector<Failure> failures(symbolic_.tasks.size());
+  const auto runTask = [&](std::int64_t task) {
+    for (const std::int32_t i : symbolic_.tasks[std::size_t(task)]) {
+      const int bad = factorSupernode(std::size_t(i), values, damping, false);
+      if (bad < 0) continue;
+      failures[std::size_t(task)] = {i, bad};
+      return;
+    }
+  };
+  if (!symbolic_.tasks.empty()) pool_->run(std::int64_t(symbolic_.tasks.size()), runTask);
+  // The first failure in order is the same for any number of threads.
+  Failure first;
+  for (const Failure& failure : failures) {
+    if (failure.supernode < first.supernode) first = failure;
   }
-  return -1;
+  const auto count = std::int32_t(symbolic_.supernodes.size());
+  for (std::int32_t i = 0; i < std::min(count, first.supernode); ++i) {
+    if (symbolic_.supernodes[std::size_t(i)].task >= 0) continue;
+    const int bad = factorSupernode(std::size_t(i), values, damping, true);
+    if (bad >= 0) first = {i, bad};
+  }
+  if (first.column < 0) return -1;
+  return blockAt(symbolic_.supernodes[std::size_t(first.supernode)], first.column);
 }
 
 std::int32_t BlockCholesky::blockAt(const Supernode& s, int column) const {
@@ -42,7 +67,8 @@ std::int32_t BlockCholesky::blockAt(const Supernode& s, int column) const {
   return -1;
 }
 
-int BlockCholesky::factorSupernode(std::size_t index, const double* values, const double* damping) {
+int BlockCholesky::factorSupernode(std::size_t index, const double* values, const double* damping,
+                                   bool share) {
   const Supernode& s = symbolic_.supernodes[index];
   assembleMatrix(index, values, damping);
   for (const std::int32_t c : s.children) {
@@ -53,21 +79,31 @@ int BlockCholesky::factorSupernode(std::size_t index, const double* values, cons
       factorFront(*kernels_, s.columns, s.rowStrips(), thresholds_.data() + s.first_scalar, strips,
                   inverses_.data() + s.first_scalar);
   if (bad >= 0 || s.rows == 0) return bad;
-  const std::int64_t stride = std::int64_t{kStrip} * s.columns;
-  const double* rows = strips + s.columnStrips() * stride;
-  double* update = updates_.data() + s.update_offset;
-  for (int j = 0; j < s.rowStrips(); ++j) {
-    const int width = std::min(kStrip, s.rows - j * kStrip);
-    double* columns = update + std::int64_t{j} * kStrip * s.updateStride();
-    for (int i = j; i < s.rowStrips(); ++i) {
-      kernels_->negateProduct(s.columns, rows + i * stride, rows + j * stride, width,
-                              columns + i * kStrip, s.updateStride());
-    }
-  }
+  formUpdate(s, share);
   for (const std::int32_t c : s.children) {
     assembleUpdate(s, symbolic_.supernodes[std::size_t(c)]);
   }
   return -1;
+}
+
+/// The update matrix -L21 L21', lower triangle.
+void BlockCholesky::formUpdate(const Supernode& s, bool share) {
+  const std::int64_t stride = std::int64_t{kStrip} * s.columns;
+  const double* rows = factor_.data() + s.factor_offset + s.columnStrips() * stride;
+  double* update = updates_.data() + s.update_offset;
+  const auto formColumns = [&](std::int64_t j) {
+    const int width = int(std::min<std::int64_t>(kStrip, s.rows - j * kStrip));
+    double* columns = update + j * kStrip * s.updateStride();
+    for (std::int64_t i = j; i < s.rowStrips(); ++i) {
+      kernels_->negateProduct(s.columns, rows + i * stride, rows + j * stride, width,
+                              columns + i * kStrip, s.updateStride());
+    }
+  };
+  if (share && pool_ != nullptr && double(s.rows) * s.rows * s.columns > kFlopsWorthSharing) {
+    pool_->run(s.rowStrips(), formColumns);
+  } else {
+    for (std::int64_t j = 0; j < s.rowStrips(); ++j) formColumns(j);
+  }
 }
 
 void BlockCholesky::assembleMatrix(std::size_t index, const double* values, const double* damping) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/parallel.hpp"
 #include "core/solve/front_kernels.hpp"
 #include "core/solve/symbolic.hpp"
 
@@ -14,7 +15,10 @@ namespace graft {
 /// practice", SIAM Review 1992.
 class BlockCholesky {
  public:
-  explicit BlockCholesky(const FrontKernels& kernels = frontKernels()) : kernels_(&kernels) {}
+  /// With a pool, subtrees and large fronts are shared out; the factor has the
+  /// same bits for any number of threads. The pool must outlive the solver.
+  explicit BlockCholesky(ThreadPool* pool = nullptr, const FrontKernels& kernels = frontKernels())
+      : pool_(pool), kernels_(&kernels) {}
 
   /// Symbolic work, once per pattern.
   void analyze(const graft_block_pattern& pattern);
@@ -30,9 +34,11 @@ class BlockCholesky {
   void assembleMatrix(std::size_t index, const double* values, const double* damping);
   void assembleColumns(const Supernode& s, const Supernode& child);
   void assembleUpdate(const Supernode& s, const Supernode& child);
-  int factorSupernode(std::size_t index, const double* values, const double* damping);
+  int factorSupernode(std::size_t index, const double* values, const double* damping, bool share);
+  void formUpdate(const Supernode& s, bool share);
   std::int32_t blockAt(const Supernode& s, int column) const;
 
+  ThreadPool* pool_;
   const FrontKernels* kernels_;
   SymbolicFactor symbolic_;
   std::vector<std::int32_t> dims_;

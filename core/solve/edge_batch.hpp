@@ -16,10 +16,6 @@ class EdgeBatch {
   const graft_edge_batch& view() const { return view_; }
   /// The same with one edge only.
   graft_edge_batch single(std::int64_t edge) const;
-  /// The estimate in a slot of an edge of the batch may be replaced.
-  void setVertex(std::int64_t edge, int slot, const double* estimate) {
-    vertices_[std::size_t(edge * view_.arity + slot)] = estimate;
-  }
 
  private:
   graft_edge_batch view_ = {};

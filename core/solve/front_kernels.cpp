@@ -82,39 +82,86 @@ constexpr FrontKernels kPortable = {
 
 /// The same with vectors of four and fused multiply-add: a strip is three vectors.
 struct Avx2 {
-  template <int N, bool kOverwrite>
-  GRAFT_AVX2 static void tile(int k, const double* a, const double* b, double* c,
-                              std::int64_t stride) {
-    __m256d sums[N][3];
-    for (int j = 0; j < N; ++j) {
-      for (int v = 0; v < 3; ++v) sums[j][v] = _mm256_setzero_pd();
-    }
+  /// Adds to one column of a tile; all sums have names, for compilers keep no
+  /// array in registers across a loop.
+  GRAFT_AVX2 static void finish(double* out, bool overwrite, const __m256d& s0, const __m256d& s1,
+                                const __m256d& s2) {
+    const __m256d zero = _mm256_setzero_pd();
+    _mm256_storeu_pd(out, _mm256_sub_pd(overwrite ? zero : _mm256_loadu_pd(out), s0));
+    _mm256_storeu_pd(out + 4, _mm256_sub_pd(overwrite ? zero : _mm256_loadu_pd(out + 4), s1));
+    _mm256_storeu_pd(out + 8, _mm256_sub_pd(overwrite ? zero : _mm256_loadu_pd(out + 8), s2));
+  }
+  template <bool kOverwrite>
+  GRAFT_AVX2 static void fourColumns(int k, const double* a, const double* b, double* c,
+                                     std::int64_t stride) {
+    __m256d s00 = _mm256_setzero_pd(), s01 = s00, s02 = s00;
+    __m256d s10 = s00, s11 = s00, s12 = s00;
+    __m256d s20 = s00, s21 = s00, s22 = s00;
+    __m256d s30 = s00, s31 = s00, s32 = s00;
     for (int p = 0; p < k; ++p, a += kStrip, b += kStrip) {
       const __m256d a0 = _mm256_loadu_pd(a);
       const __m256d a1 = _mm256_loadu_pd(a + 4);
       const __m256d a2 = _mm256_loadu_pd(a + 8);
-      for (int j = 0; j < N; ++j) {
-        const __m256d factor = _mm256_broadcast_sd(b + j);
-        sums[j][0] = _mm256_fmadd_pd(a0, factor, sums[j][0]);
-        sums[j][1] = _mm256_fmadd_pd(a1, factor, sums[j][1]);
-        sums[j][2] = _mm256_fmadd_pd(a2, factor, sums[j][2]);
-      }
+      __m256d factor = _mm256_broadcast_sd(b);
+      s00 = _mm256_fmadd_pd(a0, factor, s00);
+      s01 = _mm256_fmadd_pd(a1, factor, s01);
+      s02 = _mm256_fmadd_pd(a2, factor, s02);
+      factor = _mm256_broadcast_sd(b + 1);
+      s10 = _mm256_fmadd_pd(a0, factor, s10);
+      s11 = _mm256_fmadd_pd(a1, factor, s11);
+      s12 = _mm256_fmadd_pd(a2, factor, s12);
+      factor = _mm256_broadcast_sd(b + 2);
+      s20 = _mm256_fmadd_pd(a0, factor, s20);
+      s21 = _mm256_fmadd_pd(a1, factor, s21);
+      s22 = _mm256_fmadd_pd(a2, factor, s22);
+      factor = _mm256_broadcast_sd(b + 3);
+      s30 = _mm256_fmadd_pd(a0, factor, s30);
+      s31 = _mm256_fmadd_pd(a1, factor, s31);
+      s32 = _mm256_fmadd_pd(a2, factor, s32);
     }
-    for (int j = 0; j < N; ++j) {
-      for (int v = 0; v < 3; ++v) {
-        double* out = c + j * stride + 4 * v;
-        const __m256d before = kOverwrite ? _mm256_setzero_pd() : _mm256_loadu_pd(out);
-        _mm256_storeu_pd(out, _mm256_sub_pd(before, sums[j][v]));
-      }
+    finish(c, kOverwrite, s00, s01, s02);
+    finish(c + stride, kOverwrite, s10, s11, s12);
+    finish(c + 2 * stride, kOverwrite, s20, s21, s22);
+    finish(c + 3 * stride, kOverwrite, s30, s31, s32);
+  }
+  template <bool kOverwrite>
+  GRAFT_AVX2 static void oneColumn(int k, const double* a, const double* b, double* c) {
+    __m256d s0 = _mm256_setzero_pd(), s1 = s0, s2 = s0;
+    for (int p = 0; p < k; ++p, a += kStrip, b += kStrip) {
+      const __m256d factor = _mm256_broadcast_sd(b);
+      s0 = _mm256_fmadd_pd(_mm256_loadu_pd(a), factor, s0);
+      s1 = _mm256_fmadd_pd(_mm256_loadu_pd(a + 4), factor, s1);
+      s2 = _mm256_fmadd_pd(_mm256_loadu_pd(a + 8), factor, s2);
     }
+    finish(c, kOverwrite, s0, s1, s2);
+  }
+  template <bool kOverwrite>
+  GRAFT_AVX2 static void twoColumns(int k, const double* a, const double* b, double* c,
+                                    std::int64_t stride) {
+    __m256d s00 = _mm256_setzero_pd(), s01 = s00, s02 = s00;
+    __m256d s10 = s00, s11 = s00, s12 = s00;
+    for (int p = 0; p < k; ++p, a += kStrip, b += kStrip) {
+      const __m256d a0 = _mm256_loadu_pd(a);
+      const __m256d a1 = _mm256_loadu_pd(a + 4);
+      const __m256d a2 = _mm256_loadu_pd(a + 8);
+      __m256d factor = _mm256_broadcast_sd(b);
+      s00 = _mm256_fmadd_pd(a0, factor, s00);
+      s01 = _mm256_fmadd_pd(a1, factor, s01);
+      s02 = _mm256_fmadd_pd(a2, factor, s02);
+      factor = _mm256_broadcast_sd(b + 1);
+      s10 = _mm256_fmadd_pd(a0, factor, s10);
+      s11 = _mm256_fmadd_pd(a1, factor, s11);
+      s12 = _mm256_fmadd_pd(a2, factor, s12);
+    }
+    finish(c, kOverwrite, s00, s01, s02);
+    finish(c + stride, kOverwrite, s10, s11, s12);
   }
   template <bool kOverwrite>
   GRAFT_AVX2 static void product(int k, const double* a, const double* b, int n, double* c,
                                  std::int64_t stride) {
-    for (; n >= 4; n -= 4, b += 4, c += 4 * stride) tile<4, kOverwrite>(k, a, b, c, stride);
-    if (n == 3) tile<3, kOverwrite>(k, a, b, c, stride);
-    if (n == 2) tile<2, kOverwrite>(k, a, b, c, stride);
-    if (n == 1) tile<1, kOverwrite>(k, a, b, c, stride);
+    for (; n >= 4; n -= 4, b += 4, c += 4 * stride) fourColumns<kOverwrite>(k, a, b, c, stride);
+    for (; n >= 2; n -= 2, b += 2, c += 2 * stride) twoColumns<kOverwrite>(k, a, b, c, stride);
+    if (n == 1) oneColumn<kOverwrite>(k, a, b, c);
   }
   GRAFT_AVX2 static void subtractProduct(int k, const double* a, const double* b, int n,
                                          double* c) {

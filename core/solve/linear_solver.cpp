@@ -10,6 +10,7 @@ namespace {
 
 class BuiltIn : public LinearSolver {
  public:
+  explicit BuiltIn(ThreadPool& pool) : cholesky_(&pool) {}
   void analyze(const graft_block_pattern& pattern) override { cholesky_.analyze(pattern); }
   LinearOutcome factorize(const double* values, const double* damping) override {
     LinearOutcome outcome;
@@ -82,7 +83,7 @@ class Plugged : public LinearSolver {
 
 std::unique_ptr<LinearSolver> LinearSolver::create(const std::string& name, Registry& registry,
                                                    ThreadPool& pool) {
-  if (name == "block") return std::make_unique<BuiltIn>();
+  if (name == "block") return std::make_unique<BuiltIn>(pool);
   const graft_solver_type* type = registry.solver(name);
   if (type == nullptr) {
     throw Error(ExitCode::kUsage, "unknown linear solver " + quoted(name) + "; block is built in" +

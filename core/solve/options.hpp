@@ -41,7 +41,9 @@ struct SolveOptions {
   double step_tolerance = 1e-10;
   /// ... or when every entry of the gradient is below this.
   double gradient_tolerance = 1e-10;
-  double initial_damping = 1e-5;  ///< relative to the diagonal of J'WJ
+  /// Relative to the diagonal of J'WJ. Small, for pose graphs bend easily along
+  /// long loops; where it is too small a few refused steps raise it quickly.
+  double initial_damping = 1e-10;
   /// Called with the state before the first step and after every iteration;
   /// returning false stops the solve (status kInterrupted).
   std::function<bool(const IterationRecord&, const Values&)> callback;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <numeric>
 
 #include "core/base/error.hpp"
@@ -151,7 +152,8 @@ void Problem::compileEdges(InformationPolicy policy) {
 void Problem::compileBlock(const EdgeBlock& block, InformationPolicy policy) {
   std::vector<std::size_t> order(block.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), EdgeOrder(*graph_, block));
+  const EdgeOrder before(*graph_, block);
+  std::sort(order.begin(), order.end(), std::cref(before));
   bool first = true;
   for (const std::size_t e : order) {
     const int arity = block.arity(e);

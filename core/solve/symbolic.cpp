@@ -10,6 +10,9 @@ namespace {
 
 using Index = std::int32_t;
 
+/// Below this a factorisation is over before threads are awake.
+constexpr double kFlopsWorthThreads = 3e6;
+
 /// Nanoseconds that a front of k columns and m rows takes, roughly: what it
 /// costs to begin one, to move its numbers, and to compute (on whole strips).
 /// Only ratios matter, and those only for how much is merged.
@@ -38,7 +41,8 @@ struct Node {
 
 class Analysis {
  public:
-  explicit Analysis(const graft_block_pattern& pattern) : pattern_(pattern), graph_(pattern) {}
+  Analysis(const graft_block_pattern& pattern, bool parallel)
+      : pattern_(pattern), graph_(pattern), parallel_(parallel) {}
 
   SymbolicFactor run() {
     result_.ordering = chooseOrdering(graph_);
@@ -228,21 +232,55 @@ class Analysis {
         }
       }
     }
-    layOutUpdates();
+    if (parallel_ && result_.ordering.flops > kFlopsWorthThreads) findTasks();
+    for (const auto& task : result_.tasks) layOutUpdates(task);
+    std::vector<Index> rest;
+    for (std::size_t k = 0; k < result_.supernodes.size(); ++k) {
+      if (result_.supernodes[k].task < 0) rest.push_back(Index(k));
+    }
+    layOutUpdates(rest);
+  }
+
+  /// Cuts the tree into subtrees of less than a sixteenth of the work each.
+  void findTasks() {
+    std::vector<Supernode>& nodes = result_.supernodes;
+    std::vector<double> work(nodes.size(), 0);
+    double total = 0;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const double own = frontCost(nodes[k].columns, nodes[k].rows);
+      work[k] += own;
+      total += own;
+      if (nodes[k].parent >= 0) work[std::size_t(nodes[k].parent)] += work[k];
+    }
+    // From the roots down: small enough under a parent that is not begins a task.
+    for (std::size_t k = nodes.size(); k-- > 0;) {
+      const Index parent = nodes[k].parent;
+      if (parent >= 0 && nodes[std::size_t(parent)].task >= 0) {
+        nodes[k].task = nodes[std::size_t(parent)].task;
+      } else if (work[k] < total / 16 && work[k] > total / 1024) {
+        nodes[k].task = Index(result_.tasks.size());
+        result_.tasks.emplace_back();
+      }
+    }
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (nodes[k].task >= 0) result_.tasks[std::size_t(nodes[k].task)].push_back(Index(k));
+    }
   }
 
   /// Plans where update matrices live: first fit among what is free at the time,
-  /// in the order of the factorisation.
-  void layOutUpdates() {
+  /// in the order of the factorisation. What other lists use is not touched.
+  void layOutUpdates(const std::vector<Index>& list) {
     struct Interval {
       std::int64_t begin;
       std::int64_t end;
     };
     std::vector<Interval> used;
-    for (Supernode& s : result_.supernodes) {
+    const std::int64_t base = result_.update_size;
+    for (const Index k : list) {
+      Supernode& s = result_.supernodes[std::size_t(k)];
       const std::int64_t size = std::int64_t{s.rows} * s.updateStride();
       if (size > 0) {
-        std::int64_t begin = 0;
+        std::int64_t begin = base;
         auto place = used.begin();
         while (place != used.end() && place->begin < begin + size) {
           begin = place->end;
@@ -253,7 +291,9 @@ class Analysis {
         result_.update_size = std::max(result_.update_size, begin + size);
       }
       for (const Index c : s.children) {
-        const std::int64_t begin = result_.supernodes[std::size_t(c)].update_offset;
+        const Supernode& child = result_.supernodes[std::size_t(c)];
+        if (child.task != s.task) continue;
+        const std::int64_t begin = child.update_offset;
         used.erase(std::find_if(used.begin(), used.end(),
                                 [&](const Interval& i) { return i.begin == begin; }));
       }
@@ -301,6 +341,7 @@ class Analysis {
 
   const graft_block_pattern& pattern_;
   BlockGraph graph_;
+  bool parallel_;
   SymbolicFactor result_;
   std::vector<Index> order_;
   std::vector<Index> position_;
@@ -310,8 +351,8 @@ class Analysis {
 
 }  // namespace
 
-SymbolicFactor analyzePattern(const graft_block_pattern& pattern) {
-  return Analysis(pattern).run();
+SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel) {
+  return Analysis(pattern, parallel).run();
 }
 
 }  // namespace graft

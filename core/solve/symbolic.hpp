@@ -31,6 +31,7 @@ struct Supernode {
   std::int64_t factor_offset = 0;
   /// Where the update matrix begins; its columns are updateStride() apart.
   std::int64_t update_offset = 0;
+  std::int32_t task = -1;  ///< the task it belongs to, -1 = none
 
   int columnStrips() const { return stripsOf(columns); }
   int rowStrips() const { return stripsOf(rows); }
@@ -60,6 +61,9 @@ struct SymbolicFactor {
   std::vector<Supernode> supernodes;          ///< children before parents
   std::vector<std::int64_t> target_begin;     ///< per supernode, one more
   std::vector<BlockTarget> targets;
+  /// Separate subtrees that may be factored at the same time, each a rising list
+  /// of supernodes; what is in none of them comes after. Empty unless asked for.
+  std::vector<std::vector<std::int32_t>> tasks;
   std::int64_t factor_size = 0;
   std::int64_t update_size = 0;
   std::int64_t dim = 0;
@@ -67,7 +71,8 @@ struct SymbolicFactor {
 
 /// Orders, finds the elimination tree, merges columns into supernodes where the
 /// zeros that come in cost less than what a front of its own costs, and lays out
-/// memory.
-SymbolicFactor analyzePattern(const graft_block_pattern& pattern);
+/// memory. `parallel`: also finds tasks, if there is enough to do; the factor has
+/// the same bits either way.
+SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel = false);
 
 }  // namespace graft

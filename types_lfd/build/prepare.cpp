@@ -3,27 +3,11 @@
 
 #include <algorithm>
 
-#include "core/base/text.hpp"
 #include "types_lfd/demo/accuracy.hpp"
+#include "types_lfd/demo/clean.hpp"
 #include "types_lfd/demo/demonstration.hpp"
 
 namespace graft::lfd {
-
-namespace {
-
-TrackerAccuracy accuracyOf(const Task& task, const std::string& entity, const Trajectory& track,
-                           const std::string& demonstration, Diagnostics& diagnostics) {
-  const auto given = task.trackers.find(entity);
-  if (given != task.trackers.end()) return given->second;
-  const TrackerAccuracy estimated = estimateAccuracy(track);
-  diagnostics.note({task.path, 0, 0}, demonstration + ": accuracy of the " + entity +
-                                          " tracker estimated as sigma_t " +
-                                          formatDouble(estimated.sigma_t) + " m, sigma_r " +
-                                          formatDouble(estimated.sigma_r) + " rad");
-  return estimated;
-}
-
-}  // namespace
 
 std::size_t PreparedTask::tupleCount() const {
   std::size_t count = 0;
@@ -36,26 +20,32 @@ PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics)
   prepared.task = readTask(task_path, diagnostics);
   prepared.weights = weightsFor(prepared.task, diagnostics);
   diagnostics.throwIfErrors();
-  const std::vector<Demonstration> demonstrations = readDemonstrations(prepared.task, diagnostics);
+  std::vector<Demonstration> demonstrations = readDemonstrations(prepared.task, diagnostics);
   diagnostics.throwIfErrors();
+  const auto accuracies = trackerAccuracies(prepared.task, demonstrations, diagnostics);
   for (std::size_t d = 0; d < demonstrations.size(); ++d) {
-    const Demonstration& recorded = demonstrations[d];
     const DemonstrationSpec& spec = prepared.task.demonstrations[d];
+    const auto note = [&](const std::string& text) {
+      diagnostics.note({prepared.task.path, spec.where.line, 0}, spec.name + ": " + text);
+    };
+    const std::string dropped = removeOutliers(demonstrations[d]).text();
+    if (!dropped.empty()) note(dropped);
     PreparedDemonstration demo;
-    demo.matched = matchTracks(recorded);
+    demo.matched = matchTracks(demonstrations[d]);
     demo.segments =
         segmentDemonstration(demo.matched, SegmentOptions(), spec.grasp_time, spec.release_time);
-    const auto accuracy = [&](const char* entity, const Trajectory& track) {
-      return accuracyOf(prepared.task, entity, track, recorded.name, diagnostics);
-    };
-    demo.accuracy.hand = accuracy("hand", recorded.hand);
-    demo.accuracy.object = accuracy("object", recorded.object);
+    demo.accuracy.hand = accuracies.at("hand");
+    demo.accuracy.object = accuracies.at("object");
     // An estimated torso has no measurement; its E2 takes the hand's accuracy.
-    demo.accuracy.torso =
-        demo.matched.torso_estimated ? demo.accuracy.hand : accuracy("torso", recorded.torso);
-    if (demo.matched.torso_estimated) {
-      diagnostics.note({prepared.task.path, spec.where.line, 0},
-                       recorded.name + ": no torso track; the torso is estimated from the hand");
+    demo.accuracy.torso = accuracies.at(demo.matched.torso_estimated ? "hand" : "torso");
+    if (demo.matched.torso_estimated) note("no torso track; the torso is estimated from the hand");
+    // Below this the object was held more than once, or moved by something else.
+    constexpr double kEnoughMotion = 0.8;
+    if (demo.segments.motion_share < kEnoughMotion) {
+      diagnostics.warning({prepared.task.path, spec.where.line, 0},
+                          spec.name + ": only " +
+                              std::to_string(int(100 * demo.segments.motion_share)) +
+                              " % of the object's motion lies between grasp and release");
     }
     prepared.demonstrations.push_back(std::move(demo));
   }

@@ -46,6 +46,7 @@ std::string reachCacheName(const Chain& chain, const ReachOptions& options) {
   mix(hash, chain.hash());
   mix(hash, options.resolution);
   mix(hash, options.angular_step);
+  mix(hash, options.core);
   mix(hash, options.seed);
   mix(hash, options.new_cell_share);
   mix(hash, options.max_samples);

@@ -24,19 +24,24 @@ int ReachGrid::tiltOf(int ring, int roll_bin) const {
   return (ring + cap - 1) * turn + roll_bin;
 }
 
+void ReachGrid::split(const Eigen::Matrix3d& r, double& azimuth, double& roll) {
+  azimuth = std::atan2(r(1, 0), r(0, 0));
+  const double length = std::hypot(r(1, 0), r(0, 0));
+  const double c = length > 0 ? r(0, 0) / length : 1;
+  const double s = length > 0 ? r(1, 0) / length : 0;
+  // Second row of Rz(-azimuth) R = Ry(-elevation) Rx(roll): [0 cos(roll) -sin(roll)].
+  roll = std::atan2(s * r(0, 2) - c * r(1, 2), c * r(1, 1) - s * r(0, 1));
+}
+
 GripperView ReachGrid::view(const Eigen::Matrix3d& r, const Eigen::Vector3d& position) const {
   GripperView v;
   v.position = position;
-  const double azimuth = std::atan2(r(1, 0), r(0, 0));
-  const double c = std::cos(azimuth);
-  const double s = std::sin(azimuth);
-  // Second row of Rz(-azimuth) R = Ry(-elevation) Rx(roll): [0 cos(roll) -sin(roll)].
-  const double roll = std::atan2(s * r(0, 2) - c * r(1, 2), c * r(1, 1) - s * r(0, 1));
+  double roll = 0;
+  split(r, v.heading, roll);
   const int k = ring(r(2, 0));
   const int cap = turn / 4;
-  v.heading = azimuth;
-  if (k >= cap) v.heading = wrapAngle(azimuth + roll);
-  if (k <= -cap) v.heading = wrapAngle(azimuth - roll);
+  if (k >= cap) v.heading = wrapAngle(v.heading + roll);
+  if (k <= -cap) v.heading = wrapAngle(v.heading - roll);
   v.tilt = tiltOf(k, angleBin(roll));
   return v;
 }

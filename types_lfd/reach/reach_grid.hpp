@@ -56,6 +56,8 @@ struct ReachGrid {
   GripperView view(const Pose& world_T_gripper) const {
     return view(world_T_gripper.rotation.toRotationMatrix(), world_T_gripper.translation);
   }
+  /// Azimuth of the approach axis and roll about it (rad).
+  static void split(const Eigen::Matrix3d& rotation, double& azimuth, double& roll);
   /// Ring of an approach axis with vertical component `up`: -turn/4 and turn/4
   /// are the caps.
   int ring(double up) const;

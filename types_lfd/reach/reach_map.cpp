@@ -61,8 +61,8 @@ void ReachMap::finish() {
         std::count_if(begin, begin + size, [](std::uint8_t q) { return q != 0; }));
     reachable_cells_ += filled_[s];
   }
-  margin_t_ = std::min(0.01, grid_.resolution / 5);
-  margin_r_ = std::min(2 * 3.14159265358979323846 / 180, grid_.step() / 5);
+  margin_t_ = std::min(0.02, 0.4 * grid_.resolution);
+  margin_r_ = std::min(10 * 3.14159265358979323846 / 180, grid_.step() * 2 / 9);
 }
 
 int ReachMap::nearestFilledHeight(int height_bin, int tilt) const {

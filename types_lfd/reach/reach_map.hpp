@@ -18,6 +18,11 @@ struct ReachOptions {
   double resolution = 0.05;                          ///< m
   double angular_step = 3.14159265358979323846 / 4;  ///< rad; divides a quarter turn
   std::uint64_t seed = 1;
+  /// A cell counts as reachable if the arm reaches within this share of the
+  /// cell around its centre; 1 = if it reaches any pose of the cell that was
+  /// sampled, which lets the map reach further than the arm (always taken for
+  /// arms with less than six freedoms).
+  double core = 0.5;
   /// Sampling ends when doubling the samples adds less than this share of
   /// cells, or at max_samples.
   double new_cell_share = 0.01;
@@ -84,8 +89,9 @@ class ReachMap {
                       double sigma_r, const BaseFilter* filter = nullptr) const;
 
   /// Distance (m) and angle (rad) kept from infeasible cells by nearest();
-  /// less than half a cell. Default 0.01 m and 2 degrees, or a
-  /// fifth of a cell.
+  /// less than half a cell. Default 0.02 m and 10 degrees, at most 2/5 and 2/9 of
+  /// a cell: the outer part of a cell at the border is often out of reach, and
+  /// projections would end there.
   void setMargins(double margin_t, double margin_r);
   double marginT() const { return margin_t_; }
   double marginR() const { return margin_r_; }
@@ -128,8 +134,8 @@ class ReachMap {
   std::uint64_t samples_ = 0;
   double coverage_ = 0;
   double best_manipulability_ = 0;
-  double margin_t_ = 0.01;
-  double margin_r_ = 0.0349;
+  double margin_t_ = 0;
+  double margin_r_ = 0;
 };
 
 }  // namespace graft::lfd

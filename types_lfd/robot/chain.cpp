@@ -149,6 +149,22 @@ void Chain::findSpecialJoints() {
     // does not.
     if (!joint.prismatic && !vertical) break;
   }
+  // The pan joint: nothing before it but a torso, which does not move it aside.
+  const int before = height_joint_ == 0 ? 1 : 0;
+  if (before < dof() - 1) {
+    Eigen::Vector3d t = Eigen::Vector3d::Zero();
+    r = Eigen::Matrix3d::Identity();
+    for (int i = 0; i <= before; ++i) {
+      const Joint& joint = joints_[static_cast<std::size_t>(i)];
+      append(r, t, joint.rotation, joint.translation);
+    }
+    const bool vertical = std::abs(std::abs(r(2, 2)) - 1) < kParallel * kParallel;
+    if (vertical && !joints_[static_cast<std::size_t>(before)].prismatic) {
+      pan_joint_ = before;
+      pan_sign_ = r(2, 2) > 0 ? 1 : -1;
+      pan_origin_ = t.head<2>();
+    }
+  }
   const Joint& last = joints_.back();
   // Gripper's x axis and origin as the last joint sees them: along z, on z.
   const Eigen::Vector3d x = end_rotation_.col(0);

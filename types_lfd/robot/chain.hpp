@@ -56,6 +56,14 @@ class Chain {
   int heightJoint() const { return height_joint_; }
   /// +1 or -1: the direction in which the height joint counts.
   double heightSign() const { return height_sign_; }
+  /// Index of the first turning joint if its axis is vertical and at most a
+  /// height joint comes before it, so that it turns all that follows about a
+  /// fixed upright line; -1 if none.
+  int panJoint() const { return pan_joint_; }
+  /// +1 or -1: direction in which the pan joint counts.
+  double panSign() const { return pan_sign_; }
+  /// Where that line stands in the base frame (x, y; m).
+  const Eigen::Vector2d& panOrigin() const { return pan_origin_; }
   /// True if the last joint only turns the gripper about its own x axis
   /// (approach), so that roll comes free: it does on the PR2.
   bool lastJointRolls() const { return roll_sign_ != 0; }
@@ -98,6 +106,9 @@ class Chain {
   Eigen::VectorXd velocity_;
   int height_joint_ = -1;
   double height_sign_ = 1;
+  int pan_joint_ = -1;
+  double pan_sign_ = 1;
+  Eigen::Vector2d pan_origin_ = Eigen::Vector2d::Zero();
   double roll_sign_ = 0;
   double reach_bound_ = 0;
   Eigen::Vector3d first_origin_ = Eigen::Vector3d::Zero();

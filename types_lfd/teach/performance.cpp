@@ -185,7 +185,7 @@ class Actor {
   Pose retreat(double t) const {
     const Pose from = holding(times.release);
     const double s = minimumJerkFraction((t - times.release) / (times.end - times.release));
-    const Eigen::Vector3d away = from * Eigen::Vector3d(-0.10, 0, 0);
+    const Eigen::Vector3d away = from * Eigen::Vector3d(-0.16, 0, 0);
     Eigen::Vector3d last = from * Eigen::Vector3d(-0.25, 0, 0);
     last.z() -= 0.05;
     if (s_.walks_through) last = torso(times.end) * Eigen::Vector3d(0.30, -0.28, -0.08);

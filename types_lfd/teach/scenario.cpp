@@ -47,7 +47,7 @@ void drawHold(Scenario& s, bool bar_is_vertical, Random& random) {
 
 void drawRoomDoor(Scenario& s, Random& random) {
   s.demonstrations = 10;
-  s.frames = 156;
+  s.frames = 160;
   s.has_torso = true;
   s.walks_through = true;
   s.furniture.kind = Furniture::Kind::kDoor;

@@ -122,6 +122,23 @@ TEST(Chain, FindsTorsoAndRoll) {
   EXPECT_FALSE(smallRobotChain(aside).lastJointRolls());
 }
 
+TEST(Chain, PanTurnsTheGripperAboutAnUprightLine) {
+  const Chain chain = smallRobotChain();
+  ASSERT_EQ(chain.panJoint(), 1);
+  std::mt19937_64 random(4);
+  for (int n = 0; n < 100; ++n) {
+    Eigen::VectorXd q = sampleJoints(chain, random);
+    const Pose pose = chain.forward(q);
+    const double turn = 0.7;
+    q[chain.panJoint()] += turn;
+    const Eigen::Vector3d line(chain.panOrigin()[0], chain.panOrigin()[1], 0);
+    const Eigen::Quaterniond about_z =
+        expSO3<double>(Eigen::Vector3d(0, 0, chain.panSign() * turn));
+    const Pose expected(line + about_z * (pose.translation - line), about_z * pose.rotation);
+    EXPECT_LT(chain.forward(q).minus(expected).norm(), 1e-12);
+  }
+}
+
 TEST(Chain, ReachBoundHolds) {
   const Chain chain = smallRobotChain();
   std::mt19937_64 random(3);
