@@ -207,6 +207,9 @@ class Labels {
       box.y += 1;
     }
     taken_.push_back(box);
+    if (box.y > at.y) {
+      svg.line(at, {left ? at.x - 8 : at.x + 8, box.y + 0.5 * kLine}, "s-muted w1 soft");
+    }
     svg.text({left ? at.x - 8 : at.x + 8, box.y + 0.5 * kLine + 4}, name, "small",
              left ? Anchor::kEnd : Anchor::kStart);
   }
