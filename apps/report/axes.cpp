@@ -9,7 +9,7 @@ namespace graft::report {
 namespace {
 
 constexpr double kLegendLine = 20;
-constexpr double kCharacter = 6.3;  ///< about the width of one at 12 pixels
+constexpr double kCharacter = 6.1;  ///< about the width of one at 12 pixels
 
 /// Powers of ten beyond four digits by their exponent.
 std::string powerLabel(double value) {
@@ -142,6 +142,9 @@ void drawMark(Svg& svg, Point at, Mark mark, const std::string& classes) {
     case Mark::kBox:
     case Mark::kOutline:
       data.box({at.x - 6, at.y - 5}, 12, 10);
+      break;
+    case Mark::kDiamond:
+      data.polyline({{at.x, at.y - 5}, {at.x + 5, at.y}, {at.x, at.y + 5}, {at.x - 5, at.y}}, true);
       break;
   }
   svg.path(data, classes);

@@ -117,8 +117,9 @@ std::vector<TableRow> tableRows(const std::string& task, const lfd::Table1& befo
 
 std::string formatValue(const std::optional<double>& value, Unit unit) {
   if (!value.has_value()) return "\u2013";
-  const bool small = unit != Unit::kPercent && *value < 0.1;
-  return fixedNumber(*value, small ? 3 : 2) + suffix(unit);
+  int decimals = 2;
+  if (unit != Unit::kPercent && *value > 0) decimals += (*value < 0.1) + (*value < 0.01);
+  return fixedNumber(*value, decimals) + suffix(unit);
 }
 
 std::string formatGiven(const std::optional<double>& value, Unit unit) {

