@@ -140,21 +140,17 @@ void extractGrasp(const Extractor& extractor, const Values& values, const Graph&
   for (std::size_t k = 0; k < blocks.size(); ++k) grasp.covariance[names[k]] = blocks[k];
 }
 
-/// Arm configurations for the optimized pairs of gripper and base.
-void solveArm(LearnResult& result, const Phases& phases) {
-  std::size_t solved = 0;
-  std::size_t tuples = 0;
-  for (const DemonstrationEstimate& demo : result.after) {
-    std::vector<Pose> base_T_gripper;
-    for (std::size_t i = 0; i < demo.size(); ++i) {
-      base_T_gripper.push_back(floorPose(demo.base[i]).inverse() * demo.gripper[i]);
-    }
-    result.joints.push_back(solveIkAlong(*result.scene.chain, base_T_gripper, demo.times));
-    solved += result.joints.back().solved;
-    tuples += demo.size();
-    phases.report(double(result.joints.size()) / double(result.after.size()));
+/// The last step: bases where the arm reaches and nothing is hit, with the arm's
+/// configurations.
+void refine(LearnResult& result, const LearnOptions& options, Diagnostics& diagnostics) {
+  RefineOptions refinement;
+  refinement.threads = options.threads;
+  result.refinement = refineBases(result.after, result.scene, refinement);
+  for (std::size_t d = 0; d < result.after.size(); ++d) {
+    result.after[d].base = result.refinement.tracks[d].base;
+    result.joints.push_back(result.refinement.tracks[d].joints);
   }
-  result.table_after.ik_achievable = double(solved) / double(tuples);
+  for (const std::string& note : result.refinement.notes) diagnostics.note({}, note);
 }
 
 bool agrees(const GraspSpread& spread, std::size_t a, std::size_t b, Vec<double, 2>& gap) {
@@ -252,12 +248,16 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   result.after = extractor.demonstrations(loaded.values);
   result.graph_optimized = formatG2o(loaded.graph, loaded.values);
 
+  phases.begin("refine");
+  result.table_optimized = computeTable1(result.after, scene, false);
+  refine(result, options, diagnostics);
+
   phases.begin("evaluate");
   result.table_after = computeTable1(result.after, scene, false);
+  result.table_after.ik_achievable =
+      double(result.refinement.solved) / double(result.refinement.tuples);
   result.residual_per_dof = observationResidualPerDof(result.task.demonstrations, result.after);
   extractGrasp(extractor, loaded.values, loaded.graph, registry, result);
-  phases.begin("arm");
-  solveArm(result, phases);
   phases.begin("fit");
   result.model = fitMotionModel(result.task.task.name, result.after, diagnostics);
   phases.end();

@@ -13,7 +13,7 @@
 #include "types_lfd/build/scene.hpp"
 #include "types_lfd/eval/metrics.hpp"
 #include "types_lfd/model/motion_model.hpp"
-#include "types_lfd/robot/arm_ik.hpp"
+#include "types_lfd/refine/refine.hpp"
 
 namespace graft::lfd {
 
@@ -49,9 +49,11 @@ struct LearnResult {
   /// below is empty.
   bool common_grasp = true;
   std::vector<DemonstrationEstimate> before;
-  std::vector<DemonstrationEstimate> after;
+  std::vector<DemonstrationEstimate> after;  ///< optimized, bases refined
+  RefineResult refinement;
   std::vector<IkTrack> joints;
   Table1 table_before;
+  Table1 table_optimized;  ///< before the refinement
   Table1 table_after;
   double residual_per_dof = 0;
   LearnedGrasp grasp;

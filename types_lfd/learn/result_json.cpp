@@ -64,6 +64,23 @@ Json weightsJson(const LearnResult& result) {
   return json;
 }
 
+/// What the last step did: tuples whose base moved, how far (m, rad), and what
+/// is still wrong; the shares before it for comparison.
+Json refinementJson(const LearnResult& result) {
+  const RefineResult& r = result.refinement;
+  return {{"moved", r.moved},
+          {"mean_m", r.mean_distance},
+          {"mean_rad", r.mean_turn},
+          {"max_m", r.farthest},
+          {"max_rad", r.farthest_turn},
+          {"unresolved", r.unresolved},
+          {"blocked_steps", r.blocked_steps},
+          {"fast_steps", r.fast_steps},
+          {"before",
+           {{"map_collision_free", optionalNumber(result.table_optimized.map_collision_free)},
+            {"kinematically_achievable", result.table_optimized.kinematically_achievable}}}};
+}
+
 }  // namespace
 
 Json table1Json(const Table1& t) {
@@ -105,6 +122,7 @@ Json metricsJson(const LearnResult& result) {
                     {"final", result.summary.chi2_final},
                     {"by_edge", result.summary.chi2_by_tag}};
     json["e1_per_dof"] = result.residual_per_dof;
+    json["refinement"] = refinementJson(result);
   }
   json["seconds"] = result.seconds;
   return json;
