@@ -36,7 +36,7 @@ const BadCase kCases[] = {
     {"newer_version", "task.xml", "version=\"1\"", "version=\"2\"", 3,
      "task\\.xml:\\d+: error: .*version"},
     {"no_track", "demo_02/hand.tum", "", nullptr, 3, "demo_02/hand\\.tum: error: No such file"},
-    {"nan_in_track", "demo_02/hand.tum", "\n1", "\nnan", 3,
+    {"nan_in_track", "demo_02/hand.tum", "\n1", "\nnan 1", 3,
      "hand\\.tum:2:1: error: 'nan' is not a finite"},
     {"no_grasps", "grasps.csv", "", nullptr, 3, "grasps\\.csv: error: No such file"},
     {"grasp_header", "grasps.csv", "quality", "goodness", 3, "grasps\\.csv:1: error"},

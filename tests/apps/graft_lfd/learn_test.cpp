@@ -61,6 +61,23 @@ double largestDifference(const std::string& a, const std::string& b) {
   return largest;
 }
 
+/// Equal structure, texts and integers; numbers to 1e-9.
+void expectSameNumbers(const json& a, const json& b) {
+  const json flat_a = a.flatten();
+  const json flat_b = b.flatten();
+  ASSERT_EQ(flat_a.size(), flat_b.size());
+  for (const auto& [key, value] : flat_a.items()) {
+    ASSERT_TRUE(flat_b.contains(key)) << key;
+    if (value.is_number_float()) {
+      EXPECT_NEAR(value.get<double>(), flat_b.at(key).get<double>(),
+                  1e-9 * (1 + std::abs(value.get<double>())))
+          << key;
+    } else {
+      EXPECT_EQ(value, flat_b.at(key)) << key;
+    }
+  }
+}
+
 /// The paper's "after" values (Table I) for one of its tasks, m and rad.
 struct PaperBounds {
   const char* task;
@@ -256,8 +273,8 @@ TEST_F(LearnedDrawer, StagesAloneGiveTheSameFiles) {
   EXPECT_EQ(testing::readTestFile(folder_ + "/built/graph.g2o"),
             testing::readTestFile(out("graph.g2o")));
   ASSERT_EQ(graftLfd("fit " + folder_ + "/out -o " + folder_ + "/model.json").exit_code, 0);
-  EXPECT_EQ(testing::readTestFile(folder_ + "/model.json"),
-            testing::readTestFile(out("model.json")));
+  // Bases go through a file as quaternions, which costs the yaw its last bits.
+  expectSameNumbers(readJson(folder_ + "/model.json"), readJson(out("model.json")));
   EXPECT_EQ(graftLfd("check " + folder_ + "/task/task.xml").exit_code, 0);
   EXPECT_EQ(graftLfd("match " + folder_ + "/task/task.xml -o " + folder_ + "/matched").exit_code,
             0);
