@@ -103,10 +103,8 @@ class Planner {
     return cost;
   }
 
-  /// Whether the tuples between two keys stand well on the way; where the base
-  /// goes far, whether the arm follows in the middle, too.
+  /// Whether the tuples between two keys stand well on the way.
   bool wayFree(std::size_t k, const State& from, const State& to) const {
-    constexpr double kFar = 0.1;  // m
     const BaseOffset& a = from.placed.offset;
     const BaseOffset& b = to.placed.offset;
     const std::size_t begin = key(k - 1);
@@ -118,13 +116,27 @@ class Planner {
       if (!placement_.wayFree(i - 1, last, next)) return false;
       last = next;
     }
-    if (end == begin + 1 || !from.placed.solved() || !to.placed.solved()) return true;
-    if ((b - a).length() < kFar) return true;
-    const std::size_t middle = (begin + end) / 2;
-    return placement_
-        .solveArm(middle, placement_.between(middle, begin, a, end, b),
-                  0.5 * (from.placed.joints + to.placed.joints))
-        .has_value();
+    return armFollows(k, from, to);
+  }
+
+  /// Where the base goes far between two keys: whether the arm can follow.
+  bool armFollows(std::size_t k, const State& from, const State& to) const {
+    constexpr double kFar = 0.1;  // m
+    const BaseOffset& a = from.placed.offset;
+    const BaseOffset& b = to.placed.offset;
+    const std::size_t begin = key(k - 1);
+    const std::size_t end = key(k);
+    if (!from.placed.solved() || !to.placed.solved()) return true;
+    if (a.zero() && b.zero()) return true;
+    const Pose2 p = placement_.base(begin, a);
+    const Pose2 q = placement_.base(end, b);
+    if ((b - a).length() < kFar && std::hypot(q.x - p.x, q.y - p.y) < 2 * kFar) return true;
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      const double f = placement_.seconds(begin, i) / placement_.seconds(begin, end);
+      const Eigen::VectorXd start = (1 - f) * from.placed.joints + f * to.placed.joints;
+      if (!placement_.solveArm(i, placement_.between(i, begin, a, end, b), start)) return false;
+    }
+    return true;
   }
 
   void connect(std::size_t k, const Layer& before, State& state) const {

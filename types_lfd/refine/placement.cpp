@@ -27,8 +27,10 @@ BaseOffset interpolate(const BaseOffset& a, const BaseOffset& b, double f) {
 
 Placement::Placement(const DemonstrationEstimate& demo, const TaskScene& scene)
     : demo_(demo), scene_(scene), box_(*scene.chain) {
-  // Attempts start near a solution: one that is not soon there is lost.
+  // Attempts start near a solution, where steps converge quadratically: one that
+  // does not is lost, and most of the time goes into those.
   ik_.iterations = 10;
+  ik_.stall = 0.3;
 }
 
 void Placement::holdHeight(double height) {
@@ -151,17 +153,20 @@ std::vector<Eigen::VectorXd> Placement::findPostures(std::uint64_t seed) const {
   constexpr int kAttempts = 12;
   constexpr std::size_t kPostures = 8;
   constexpr double kDifferent = 0.7;  // rad
+  IkOptions far;
+  far.iterations = 30;
   std::mt19937_64 random(seed);
   std::vector<Eigen::VectorXd> postures;
   for (std::size_t k = 0; k < kInstants; ++k) {
     const std::size_t i = (size() - 1) * k / (kInstants - 1);
     for (int attempt = 0; attempt < kAttempts && postures.size() < kPostures; ++attempt) {
-      const auto q = solveArm(i, {}, sampleJoints(chain(), random));
-      if (!q) continue;
+      Placed placed{{}, sampleJoints(chain(), random)};
+      Eigen::VectorXd& q = placed.joints;
+      if (!refineIk(chain(), baseToGripper(i, {}), far, box_, q) || !sees(i, placed)) continue;
       const bool known = std::any_of(postures.begin(), postures.end(), [&](const auto& p) {
-        return (p - *q).cwiseAbs().maxCoeff() < kDifferent;
+        return (p - q).cwiseAbs().maxCoeff() < kDifferent;
       });
-      if (!known) postures.push_back(*q);
+      if (!known) postures.push_back(q);
     }
   }
   if (postures.empty()) postures.push_back(0.5 * (chain().lower() + chain().upper()));

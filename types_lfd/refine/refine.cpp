@@ -42,7 +42,8 @@ RefineResult refineBases(const std::vector<DemonstrationEstimate>& demonstration
     note(name, track.unresolved, "tuples have no base that is free and in reach nearby",
          result.notes);
     note(name, track.blocked_steps, "steps of the base lead through occupied cells", result.notes);
-    note(name, track.fast_steps, "steps are too fast for the arm's joints", result.notes);
+    note(name, track.fast_steps, "steps are too fast for the arm's joints or the base",
+         result.notes);
   }
   if (result.moved > 0) {
     result.mean_distance /= double(result.moved);

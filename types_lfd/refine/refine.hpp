@@ -34,7 +34,9 @@ struct RefinedTrack {
   double farthest_turn = 0;       ///< largest turn, rad
   std::size_t unresolved = 0;     ///< tuples that still collide, or are out of reach
   std::size_t blocked_steps = 0;  ///< neighbours with a collision between them
-  std::size_t fast_steps = 0;     ///< neighbours that need more than speed_factor
+  /// Neighbours between which a joint needs more than speed_factor, or the base
+  /// more than 1.5 m/s or 2 rad/s.
+  std::size_t fast_steps = 0;
 };
 
 struct RefineResult {
@@ -62,14 +64,16 @@ struct RefineResult {
 /// joint after the torso) to the wrist (last joint) and to the gripper free of
 /// occupied cells; ReachMap::contains; an arm configuration, continuous along
 /// the motion within speed_factor of the joints' speed limits. The height joint
-/// is held per demonstration, as far as possible: torsos are slow.
+/// is held per demonstration that is changed: torsos are slow.
 ///
 /// Method: per demonstration a layered graph over every stride-th tuple: base
 /// offsets from the optimized base, each with arm solutions continued from the
 /// layer before; cheapest path by dynamic programming (size of the offsets over
-/// time, their change, joint motion); tuples between have interpolated offsets;
-/// stretches in which that fails are planned again tuple by tuple; then the
-/// offsets are smoothed and shrunk as far as all stays good.
+/// time, their change, joint motion, penalties for joints or a base too fast);
+/// between, the base goes straight unless both ends are where they were;
+/// stretches in which that fails are planned again tuple by tuple. Other torso
+/// heights, and then places up to a metre away, are tried where faults are left.
+/// Last, offsets are smoothed and shrunk as far as nothing gets worse.
 /// Never throws for what cannot be resolved: that is kept, counted and noted.
 RefineResult refineBases(const std::vector<DemonstrationEstimate>& demonstrations,
                          const TaskScene& scene, const RefineOptions& options = RefineOptions());

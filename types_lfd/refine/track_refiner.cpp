@@ -11,7 +11,10 @@ namespace graft::lfd {
 
 namespace {
 
-constexpr std::size_t kWideFactor = 6;
+constexpr std::size_t kWideFactor = 4;
+// Faults that are left: about one step a little too fast; a jump.
+constexpr double kMinor = 2;
+constexpr double kSerious = 5;
 constexpr double kFine = 10;  ///< cost of a plan, below that of any fault
 constexpr double kNoHold = std::numeric_limits<double>::quiet_NaN();
 
@@ -61,7 +64,11 @@ TrackRefiner::Path TrackRefiner::asOptimized() const {
   for (std::size_t i = 0; i < demo_.size(); ++i) {
     base_T_gripper.push_back(floorPose(demo_.base[i]).inverse() * demo_.gripper[i]);
   }
-  IkTrack track = solveIkAlong(placement_.chain(), base_T_gripper, demo_.times);
+  // Only to see whether all is well already: no long search where it is not.
+  IkTrackOptions options;
+  options.ik.iterations = 30;
+  options.ik.restarts = 6;
+  IkTrack track = solveIkAlong(placement_.chain(), base_T_gripper, demo_.times, options);
   Path path(demo_.size());
   for (std::size_t i = 0; i < path.size(); ++i) {
     path[i].joints = std::move(track.joints[i]);
@@ -138,10 +145,11 @@ TrackRefiner::Path TrackRefiner::search(const Path& optimized) {
   };
   for (const double height : torsoHeights(optimized)) {
     attempt(height, Spread::kUsual);
-    if (best_faults == 0) return best;
+    if (best_faults < kMinor) break;
   }
-  attempt(torsoHeights(optimized).front(), Spread::kWide);
-  if (best_faults > 0) attempt(height_of_lowest, Spread::kWide);
+  const double liked = torsoHeights(optimized).front();
+  if (best_faults >= kSerious) attempt(height_of_lowest, Spread::kWide);
+  if (best_faults >= kSerious && liked != height_of_lowest) attempt(liked, Spread::kWide);
   placement_.holdHeight(best_height);
   return best;
 }
