@@ -90,6 +90,9 @@ class Planner {
   /// Cost of a step as far as it is known without looking at the map.
   double stepCost(std::size_t k, const State& a, const State& b) const {
     double cost = (b.placed.offset - a.placed.offset).length();
+    const double base =
+        placement_.baseSpeedRatio(key(k - 1), a.placed.offset, key(k), b.placed.offset);
+    if (base > 1) cost += kFastStep * std::min(4.0, base);
     if (!a.placed.solved() || !b.placed.solved()) return cost;
     const double ratio = placement_.speedRatio(a.placed.joints, b.placed.joints,
                                                placement_.seconds(key(k - 1), key(k)));
@@ -100,21 +103,28 @@ class Planner {
     return cost;
   }
 
-  /// Whether the tuples between two keys stand well on the way.
-  bool wayFree(std::size_t k, const BaseOffset& a, const BaseOffset& b) const {
+  /// Whether the tuples between two keys stand well on the way; where the base
+  /// goes far, whether the arm follows in the middle, too.
+  bool wayFree(std::size_t k, const State& from, const State& to) const {
+    constexpr double kFar = 0.1;  // m
+    const BaseOffset& a = from.placed.offset;
+    const BaseOffset& b = to.placed.offset;
     const std::size_t begin = key(k - 1);
     const std::size_t end = key(k);
     BaseOffset last = a;
     for (std::size_t i = begin + 1; i <= end; ++i) {
-      const BaseOffset next =
-          i == end
-              ? b
-              : interpolate(a, b, placement_.seconds(begin, i) / placement_.seconds(begin, end));
+      const BaseOffset next = i == end ? b : placement_.between(i, begin, a, end, b);
       if (i < end && !placement_.reaches(i, next)) return false;
       if (!placement_.wayFree(i - 1, last, next)) return false;
       last = next;
     }
-    return true;
+    if (end == begin + 1 || !from.placed.solved() || !to.placed.solved()) return true;
+    if ((b - a).length() < kFar) return true;
+    const std::size_t middle = (begin + end) / 2;
+    return placement_
+        .solveArm(middle, placement_.between(middle, begin, a, end, b),
+                  0.5 * (from.placed.joints + to.placed.joints))
+        .has_value();
   }
 
   void connect(std::size_t k, const Layer& before, State& state) const {
@@ -127,7 +137,7 @@ class Planner {
     state.from = order.front().second;
     for (const auto& [cost, a] : order) {
       if (cost >= best) break;
-      if (!wayFree(k, before[std::size_t(a)].placed.offset, state.placed.offset)) continue;
+      if (!wayFree(k, before[std::size_t(a)], state)) continue;
       best = cost;
       state.from = a;
       break;
@@ -238,19 +248,26 @@ class Planner {
 
 }  // namespace
 
-std::vector<BaseOffset> offsetLattice() {
+std::vector<BaseOffset> offsetLattice(Spread spread) {
   constexpr double kPi = 3.14159265358979323846;
-  constexpr double kRings[] = {0, 0.05, 0.1, 0.18, 0.3, 0.45};
-  constexpr double kTurns[] = {0, -0.15, 0.15, -0.4, 0.4, -0.8, 0.8};
+  std::vector<double> rings{0, 0.05, 0.1, 0.18, 0.3, 0.45};
+  std::vector<double> turns{0, -0.15, 0.15, -0.4, 0.4, -0.8, 0.8};
+  if (spread == Spread::kFine) {
+    rings = {0, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2};
+    turns = {0, -0.05, 0.05, -0.1, 0.1, -0.2, 0.2, -0.3, 0.3};
+  } else if (spread == Spread::kWide) {
+    rings.insert(rings.end(), {0.6, 0.8, 1.0});
+    turns.insert(turns.end(), {-1.2, 1.2, -1.6, 1.6, -2.2, 2.2, kPi});
+  }
   constexpr int kDirections = 8;
   std::vector<BaseOffset> lattice;
-  for (int r = 0; r < 6; ++r) {
+  for (std::size_t r = 0; r < rings.size(); ++r) {
     for (int d = 0; d < (r == 0 ? 1 : kDirections); ++d) {
-      const double angle = (d + 0.5 * (r % 2)) * 2 * kPi / kDirections;
-      for (int t = 0; t < 7; ++t) {
+      const double angle = (d + 0.5 * double(r % 2)) * 2 * kPi / kDirections;
+      for (std::size_t t = 0; t < turns.size(); ++t) {
         // Every other turn on every other spoke: half the poses spread alike.
-        if (r > 0 && t > 0 && ((t + 1) / 2 + d) % 2 == 0) continue;
-        lattice.push_back({kRings[r] * std::cos(angle), kRings[r] * std::sin(angle), kTurns[t]});
+        if (r > 0 && t > 0 && ((t + 1) / 2 + std::size_t(d)) % 2 == 0) continue;
+        lattice.push_back({rings[r] * std::cos(angle), rings[r] * std::sin(angle), turns[t]});
       }
     }
   }

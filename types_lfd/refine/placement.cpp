@@ -12,6 +12,8 @@ namespace graft::lfd {
 namespace {
 
 constexpr double kTurnRadius = 0.3;
+constexpr double kBaseSpeed = 1.5;  // m/s
+constexpr double kBaseTurn = 2.0;   // rad/s
 
 }  // namespace
 
@@ -26,7 +28,7 @@ BaseOffset interpolate(const BaseOffset& a, const BaseOffset& b, double f) {
 Placement::Placement(const DemonstrationEstimate& demo, const TaskScene& scene)
     : demo_(demo), scene_(scene), box_(*scene.chain) {
   // Attempts start near a solution: one that is not soon there is lost.
-  ik_.iterations = 30;
+  ik_.iterations = 10;
 }
 
 void Placement::holdHeight(double height) {
@@ -41,6 +43,18 @@ Pose2 Placement::base(std::size_t i, const BaseOffset& offset) const {
   const Pose2& b = demo_.base[i];
   if (offset.zero()) return b;
   return {b.x + offset.x, b.y + offset.y, wrapAngle(b.theta + offset.yaw)};
+}
+
+BaseOffset Placement::between(std::size_t i, std::size_t begin, const BaseOffset& at_begin,
+                              std::size_t end, const BaseOffset& at_end) const {
+  if (at_begin.zero() && at_end.zero()) return {};
+  const double f = seconds(begin, i) / seconds(begin, end);
+  const Pose2 a = base(begin, at_begin);
+  const Pose2 b = base(end, at_end);
+  const Pose2& here = demo_.base[i];
+  const double theta = a.theta + f * wrapAngle(b.theta - a.theta);
+  return {a.x + f * (b.x - a.x) - here.x, a.y + f * (b.y - a.y) - here.y,
+          wrapAngle(theta - here.theta)};
 }
 
 Pose Placement::baseToGripper(std::size_t i, const BaseOffset& offset) const {
@@ -121,6 +135,15 @@ double Placement::speedRatio(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
     ratio = std::max(ratio, std::abs(step) / allowed);
   }
   return ratio;
+}
+
+double Placement::baseSpeedRatio(std::size_t a, const BaseOffset& at_a, std::size_t b,
+                                 const BaseOffset& at_b) const {
+  const Pose2 from = base(a, at_a);
+  const Pose2 to = base(b, at_b);
+  const double speed = std::hypot(to.x - from.x, to.y - from.y) / kBaseSpeed;
+  const double turn = std::abs(wrapAngle(to.theta - from.theta)) / kBaseTurn;
+  return std::max(speed, turn) / seconds(a, b);
 }
 
 std::vector<Eigen::VectorXd> Placement::findPostures(std::uint64_t seed) const {

@@ -49,6 +49,10 @@ class Placement {
   void holdHeight(double height);
 
   Pose2 base(std::size_t i, const BaseOffset& offset) const;
+  /// Offset of a tuple on the way between two others: none if neither has one,
+  /// else the straight way of the base (jumps of the optimized one are left out).
+  BaseOffset between(std::size_t i, std::size_t begin, const BaseOffset& at_begin, std::size_t end,
+                     const BaseOffset& at_end) const;
   /// Free of the map and within the reachability map.
   bool stands(std::size_t i, const BaseOffset& offset) const;
   bool collides(std::size_t i, const BaseOffset& offset) const;
@@ -68,6 +72,10 @@ class Placement {
                                                  const Eigen::VectorXd* after, double factor) const;
   /// Largest ratio of a joint's speed to its limit.
   double speedRatio(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double seconds) const;
+  /// Ratio of the base's speed from tuple a to b to what a mobile robot does at
+  /// a walk: 1.5 m/s, 2 rad/s.
+  double baseSpeedRatio(std::size_t a, const BaseOffset& at_a, std::size_t b,
+                        const BaseOffset& at_b) const;
   /// Postures of the arm far from each other, found at some tuples.
   std::vector<Eigen::VectorXd> findPostures(std::uint64_t seed) const;
 

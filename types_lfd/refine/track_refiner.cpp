@@ -11,13 +11,15 @@ namespace graft::lfd {
 
 namespace {
 
+constexpr std::size_t kWideFactor = 6;
+constexpr double kFine = 10;  ///< cost of a plan, below that of any fault
 constexpr double kNoHold = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
 TrackRefiner::TrackRefiner(const DemonstrationEstimate& demo, const TaskScene& scene,
                            const RefineOptions& options)
-    : demo_(demo), options_(options), placement_(demo, scene), lattice_(offsetLattice()) {}
+    : demo_(demo), options_(options), placement_(demo, scene) {}
 
 bool TrackRefiner::tupleGood(const Path& path, std::size_t i) const {
   return path[i].solved() && placement_.stands(i, path[i].offset);
@@ -27,10 +29,18 @@ bool TrackRefiner::wayFree(const Path& path, std::size_t i) const {
   return placement_.wayFree(i, path[i].offset, path[i + 1].offset);
 }
 
-bool TrackRefiner::fast(const Path& path, std::size_t i) const {
-  if (!path[i].solved() || !path[i + 1].solved()) return false;
-  return placement_.speedRatio(path[i].joints, path[i + 1].joints, placement_.seconds(i, i + 1)) >
-         options_.speed_factor;
+double TrackRefiner::haste(const Path& path, std::size_t i) const {
+  double ratio = placement_.baseSpeedRatio(i, path[i].offset, i + 1, path[i + 1].offset);
+  if (path[i].solved() && path[i + 1].solved()) {
+    const double seconds = placement_.seconds(i, i + 1);
+    ratio = std::max(ratio, placement_.speedRatio(path[i].joints, path[i + 1].joints, seconds) /
+                                options_.speed_factor);
+  }
+  return ratio;
+}
+
+double TrackRefiner::hasteAround(const Path& path, std::size_t i) const {
+  return std::max(i > 0 ? haste(path, i - 1) : 0.0, i + 1 < path.size() ? haste(path, i) : 0.0);
 }
 
 double TrackRefiner::faults(const Path& path, std::size_t begin, std::size_t end) const {
@@ -41,7 +51,7 @@ double TrackRefiner::faults(const Path& path, std::size_t begin, std::size_t end
     if (!placement_.stands(i, path[i].offset)) sum += kSevere;
     if (i == end) break;
     if (!wayFree(path, i)) sum += kSevere;
-    if (fast(path, i)) sum += 1;
+    if (const double h = haste(path, i); h > 1) sum += std::min(h, kSevere);
   }
   return sum;
 }
@@ -60,53 +70,80 @@ TrackRefiner::Path TrackRefiner::asOptimized() const {
   return path;
 }
 
-TrackRefiner::Path TrackRefiner::planCoarsely(const Path& optimized) {
-  PathRequest request;
-  for (std::size_t i = 0; i < demo_.size(); i += options_.stride) request.keys.push_back(i);
-  if (request.keys.back() + 1 != demo_.size()) request.keys.push_back(demo_.size() - 1);
-  // Heights of the torso: what the arm liked alone, then all over its range.
-  std::vector<double> heights;
+std::vector<std::size_t> TrackRefiner::keysFrom(std::size_t begin, std::size_t end,
+                                                std::size_t stride) const {
+  std::vector<std::size_t> keys;
+  for (std::size_t i = begin; i < end; i += stride) keys.push_back(i);
+  keys.push_back(end);
+  return keys;
+}
+
+std::vector<double> TrackRefiner::torsoHeights(const Path& optimized) const {
   const Chain& chain = placement_.chain();
   const int joint = chain.heightJoint();
-  if (joint < 0) {
-    heights.push_back(kNoHold);
-  } else {
-    std::vector<double> liked;
-    for (const Placed& placed : optimized) {
-      if (placed.solved()) liked.push_back(placed.joints[joint]);
-    }
-    if (!liked.empty()) {
-      const auto middle = liked.begin() + std::ptrdiff_t(liked.size() / 2);
-      std::nth_element(liked.begin(), middle, liked.end());
-      heights.push_back(*middle);
-    }
-    for (const double share : {0.5, 0.1, 0.9}) {
-      heights.push_back(chain.lower()[joint] +
-                        share * (chain.upper()[joint] - chain.lower()[joint]));
-    }
+  if (joint < 0) return {kNoHold};
+  // What the arm liked alone, then all over its range.
+  std::vector<double> heights;
+  std::vector<double> liked;
+  for (const Placed& placed : optimized) {
+    if (placed.solved()) liked.push_back(placed.joints[joint]);
   }
-  constexpr double kFine = 10;  // below the cost of any fault
-  PlannedPath best;
-  best.cost = std::numeric_limits<double>::infinity();
+  if (!liked.empty()) {
+    const auto middle = liked.begin() + std::ptrdiff_t(liked.size() / 2);
+    std::nth_element(liked.begin(), middle, liked.end());
+    heights.push_back(*middle);
+  }
+  for (const double share : {0.5, 0.1, 0.9}) {
+    heights.push_back(chain.lower()[joint] + share * (chain.upper()[joint] - chain.lower()[joint]));
+  }
+  return heights;
+}
+
+TrackRefiner::Path TrackRefiner::search(const Path& optimized) {
+  const std::size_t end = demo_.size() - 1;
+  PathRequest request;
+  request.keys = keysFrom(0, end, options_.stride);
+  Path best = optimized;
+  double best_faults = faults(best, 0, end);
+  double lowest_cost = std::numeric_limits<double>::infinity();
+  double height_of_lowest = kNoHold;
   double best_height = kNoHold;
-  for (const double height : heights) {
-    placement_.holdHeight(height);
-    std::vector<Eigen::VectorXd> postures = placement_.findPostures(options_.seed);
-    PlannedPath plan = planPath(placement_, lattice_, postures, options_, request);
-    if (plan.cost < best.cost) {
-      best = std::move(plan);
-      best_height = height;
-      postures_ = std::move(postures);
+  const auto attempt = [&](double height, Spread spread) {
+    RefineOptions options = options_;
+    if (spread == Spread::kWide) {
+      options.candidates *= kWideFactor;
+      options.attempts *= kWideFactor;
     }
-    if (best.cost < kFine) break;
+    placement_.holdHeight(height);
+    postures_ = placement_.findPostures(options_.seed);
+    const PlannedPath plan =
+        planPath(placement_, offsetLattice(spread), postures_, options, request);
+    if (plan.cost < lowest_cost) {
+      lowest_cost = plan.cost;
+      height_of_lowest = height;
+    }
+    // A plan with a fault is worth the work only where all have one.
+    if (plan.cost >= kFine && spread == Spread::kUsual) return;
+    Path path(demo_.size());
+    for (std::size_t k = 0; k < request.keys.size(); ++k) path[request.keys[k]] = plan.at[k];
+    for (std::size_t k = 1; k < request.keys.size(); ++k) {
+      fillBetween(path, request.keys[k - 1], request.keys[k]);
+    }
+    repair(path);
+    const double left = faults(path, 0, end);
+    if (left >= best_faults) return;
+    best = std::move(path);
+    best_faults = left;
+    best_height = height;
+  };
+  for (const double height : torsoHeights(optimized)) {
+    attempt(height, Spread::kUsual);
+    if (best_faults == 0) return best;
   }
+  attempt(torsoHeights(optimized).front(), Spread::kWide);
+  if (best_faults > 0) attempt(height_of_lowest, Spread::kWide);
   placement_.holdHeight(best_height);
-  Path path(demo_.size());
-  for (std::size_t k = 0; k < request.keys.size(); ++k) path[request.keys[k]] = best.at[k];
-  for (std::size_t k = 1; k < request.keys.size(); ++k) {
-    fillBetween(path, request.keys[k - 1], request.keys[k]);
-  }
-  return path;
+  return best;
 }
 
 void TrackRefiner::fillBetween(Path& path, std::size_t begin, std::size_t end) const {
@@ -116,7 +153,7 @@ void TrackRefiner::fillBetween(Path& path, std::size_t begin, std::size_t end) c
   for (std::size_t i = begin + 1; i < end; ++i) {
     const double f = placement_.seconds(begin, i) / placement_.seconds(begin, end);
     Placed& here = path[i];
-    here.offset = interpolate(a.offset, b.offset, f);
+    here.offset = placement_.between(i, begin, a.offset, end, b.offset);
     here.joints.resize(0);
     if (!both && !a.solved() && !b.solved()) continue;
     const Eigen::VectorXd start = both ? Eigen::VectorXd((1 - f) * a.joints + f * b.joints)
@@ -139,11 +176,18 @@ void TrackRefiner::fillBetween(Path& path, std::size_t begin, std::size_t end) c
   }
 }
 
-void TrackRefiner::replanBadStretches(Path& path, std::size_t margin) const {
+void TrackRefiner::replanBadStretches(Path& path, const Replan& replan) const {
+  const std::size_t margin = replan.margin;
+  RefineOptions options = options_;
+  if (replan.spread == Spread::kFine) {
+    options.candidates *= 3;
+    options.attempts *= 2;
+  }
+  const std::vector<BaseOffset> lattice = offsetLattice(replan.spread);
   const std::size_t n = path.size();
   std::vector<bool> bad(n, false);
   for (std::size_t i = 0; i < n; ++i) {
-    const bool step = i + 1 < n && (!wayFree(path, i) || fast(path, i));
+    const bool step = i + 1 < n && (!wayFree(path, i) || haste(path, i) > 1);
     if (tupleGood(path, i) && !step) continue;
     const std::size_t low = i > margin ? i - margin : 0;
     const std::size_t high = std::min(n, i + margin + 2);
@@ -154,9 +198,10 @@ void TrackRefiner::replanBadStretches(Path& path, std::size_t margin) const {
     std::size_t end = begin;
     while (end + 1 < n && bad[end + 1]) ++end;
     PathRequest request;
-    for (std::size_t i = begin; i <= end; ++i) request.keys.push_back(i);
+    request.keys = keysFrom(begin, end, replan.stride);
     const Placed first = path[begin];
     const Placed last = path[end];
+    request.around = &path;
     if (begin > 0) request.first = &first;
     if (end + 1 < n) request.last = &last;
     std::vector<Eigen::VectorXd> postures;
@@ -164,9 +209,12 @@ void TrackRefiner::replanBadStretches(Path& path, std::size_t margin) const {
       if (path[i].solved()) postures.push_back(path[i].joints);
     }
     postures.insert(postures.end(), postures_.begin(), postures_.end());
-    const PlannedPath plan = planPath(placement_, lattice_, postures, options_, request);
+    const PlannedPath plan = planPath(placement_, lattice, postures, options, request);
     Path trial = path;
-    std::copy(plan.at.begin(), plan.at.end(), trial.begin() + std::ptrdiff_t(begin));
+    for (std::size_t k = 0; k < request.keys.size(); ++k) trial[request.keys[k]] = plan.at[k];
+    for (std::size_t k = 1; k < request.keys.size(); ++k) {
+      fillBetween(trial, request.keys[k - 1], request.keys[k]);
+    }
     if (faults(trial, begin, end) < faults(path, begin, end)) path = std::move(trial);
     begin = end;
   }
@@ -184,8 +232,12 @@ bool TrackRefiner::improve(Path& path, std::size_t i, const BaseOffset& offset) 
       placement_.solveArmBetween(i, offset, path[i].joints, has_before ? joints(i - 1) : nullptr,
                                  has_after ? joints(i + 1) : nullptr, options_.speed_factor);
   if (!q) return false;
+  const Placed old = path[i];
+  const double before = hasteAround(path, i);
   path[i] = {offset, *q};
-  return true;
+  if (hasteAround(path, i) <= std::max(1.0, before)) return true;
+  path[i] = old;
+  return false;
 }
 
 void TrackRefiner::smooth(Path& path) const {
@@ -226,7 +278,7 @@ RefinedTrack TrackRefiner::summarize(Path path) const {
     if (!tupleGood(path, i)) ++track.unresolved;
     if (i + 1 < path.size()) {
       if (!wayFree(path, i)) ++track.blocked_steps;
-      if (fast(path, i)) ++track.fast_steps;
+      if (haste(path, i) > 1) ++track.fast_steps;
     }
   }
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -245,18 +297,22 @@ RefinedTrack TrackRefiner::summarize(Path path) const {
   return track;
 }
 
+void TrackRefiner::repair(Path& path) const {
+  const std::size_t stride = options_.stride;
+  const Replan usual{stride, 1, Spread::kUsual};
+  const Replan fine{2 * stride, 1, Spread::kFine};
+  for (const Replan& replan : {fine, usual}) {
+    if (faults(path, 0, path.size() - 1) == 0) return;
+    replanBadStretches(path, replan);
+  }
+}
+
 RefinedTrack TrackRefiner::run() {
   if (demo_.size() == 0) return {};
   Path optimized = asOptimized();
   const std::size_t end = demo_.size() - 1;
-  const double before = faults(optimized, 0, end);
-  if (before == 0) return summarize(std::move(optimized));
-  Path path = planCoarsely(optimized);
-  for (const std::size_t margin : {options_.stride, 3 * options_.stride}) {
-    if (faults(path, 0, end) == 0) break;
-    replanBadStretches(path, margin);
-  }
-  if (faults(path, 0, end) >= before) return summarize(std::move(optimized));
+  if (faults(optimized, 0, end) == 0) return summarize(std::move(optimized));
+  Path path = search(optimized);
   smooth(path);
   return summarize(std::move(path));
 }

@@ -21,12 +21,27 @@ class TrackRefiner {
   bool tupleGood(const Path& path, std::size_t i) const;
   /// From tuple i to i + 1.
   bool wayFree(const Path& path, std::size_t i) const;
-  bool fast(const Path& path, std::size_t i) const;
+  /// Speed of the fastest joint, or the base, as a share of what is allowed.
+  double haste(const Path& path, std::size_t i) const;
+  /// The larger of the steps to and from a tuple.
+  double hasteAround(const Path& path, std::size_t i) const;
 
   Path asOptimized() const;
-  Path planCoarsely(const Path& optimized);
+  std::vector<double> torsoHeights(const Path& optimized) const;
+  /// The best path over torso heights, then over places far off.
+  Path search(const Path& optimized);
   void fillBetween(Path& path, std::size_t begin, std::size_t end) const;
-  void replanBadStretches(Path& path, std::size_t margin) const;
+  /// How a bad stretch is planned again.
+  struct Replan {
+    std::size_t margin;  ///< tuples added on both sides
+    std::size_t stride;  ///< between keys
+    Spread spread;       ///< of the places that are tried
+  };
+  void replanBadStretches(Path& path, const Replan& replan) const;
+  std::vector<std::size_t> keysFrom(std::size_t begin, std::size_t end, std::size_t stride) const;
+  /// Plans bad stretches tuple by tuple, closely around the path and then
+  /// with longer steps.
+  void repair(Path& path) const;
   void smooth(Path& path) const;
   bool improve(Path& path, std::size_t i, const BaseOffset& offset) const;
   RefinedTrack summarize(Path path) const;
@@ -34,7 +49,6 @@ class TrackRefiner {
   const DemonstrationEstimate& demo_;
   const RefineOptions& options_;
   Placement placement_;
-  std::vector<BaseOffset> lattice_;
   std::vector<Eigen::VectorXd> postures_;
 };
 
