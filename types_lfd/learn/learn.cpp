@@ -153,12 +153,6 @@ void refine(LearnResult& result, const LearnOptions& options, Diagnostics& diagn
   for (const std::string& note : result.refinement.notes) diagnostics.note({}, note);
 }
 
-bool agrees(const GraspSpread& spread, std::size_t a, std::size_t b, Vec<double, 2>& gap) {
-  const Vec<double, 6> e = poseError(spread.object_T_hand[a].inverse() * spread.object_T_hand[b]);
-  gap = {e.head<3>().norm(), e.tail<3>().norm()};
-  return gap[0] <= kSameGraspDistance && gap[1] <= kSameGraspAngle;
-}
-
 void runOptimizer(LoadedGraph& loaded, Registry& registry, const LearnOptions& options,
                   const Extractor& extractor, const Phases& phases, LearnResult& result) {
   SolveOptions solve;
@@ -192,12 +186,13 @@ std::vector<std::string> describeDisagreement(const LearnResult& result) {
   const auto& demos = result.task.demonstrations;
   for (std::size_t b = 0; b < demos.size(); ++b) {
     for (std::size_t a = 0; a < b; ++a) {
-      Vec<double, 2> gap;
-      if (agrees(result.spread, a, b, gap)) continue;
+      if (sameGrasp(result.spread, a, b)) continue;
+      const Vec<double, 6> e =
+          poseError(result.spread.object_T_hand[a].inverse() * result.spread.object_T_hand[b]);
       char text[160];
       std::snprintf(text, sizeof text, "%s and %s hold the object %.1f cm and %.0f degrees apart",
-                    demos[a].matched.name.c_str(), demos[b].matched.name.c_str(), 100 * gap[0],
-                    gap[1] * 180 / 3.14159265358979323846);
+                    demos[a].matched.name.c_str(), demos[b].matched.name.c_str(),
+                    100 * e.head<3>().norm(), e.tail<3>().norm() * 180 / 3.14159265358979323846);
       lines.emplace_back(text);
     }
   }
@@ -222,7 +217,8 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   phases.begin("prepare");
   result.task = prepareTask(task_path, diagnostics);
   result.spread = graspSpread(result.task.demonstrations);
-  result.common_grasp = describeDisagreement(result).empty();
+  result.modes = findGraspModes(result.spread);
+  result.common_grasp = result.modes.size() == 1;
   if (!result.common_grasp) {
     phases.end();
     return result;

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "tests/support/test_data.hpp"
+#include "types_lfd/build/grasp_modes.hpp"
 #include "types_lfd/teach/teacher.hpp"
 
 namespace graft::lfd {
@@ -158,6 +159,27 @@ TEST(GraspSpread, FindsTheHandsThatHoldElsewhere) {
   const GraspSpread spread = graspSpread(demos);
   EXPECT_NEAR(spread.distance, 0.3, 1e-14);
   EXPECT_NEAR(spread.angle, 0, 1e-14);
+}
+
+TEST(FindGraspModes, GroupsByCompleteLinkage) {
+  // A chain of holds 8 cm apart: neighbours agree, the ends do not, so one mode
+  // may not swallow all three.
+  GraspSpread spread;
+  for (const double x : {0.0, 0.08, 0.16, 1.0}) {
+    spread.object_T_hand.emplace_back(Vec<double, 3>(x, 0, 0), Eigen::Quaterniond::Identity());
+  }
+  // The same place held with the hand turned by a right angle is another way.
+  spread.object_T_hand.emplace_back(Vec<double, 3>(1.0, 0, 0),
+                                    expSO3<double>(Vec<double, 3>(1.57, 0, 0)));
+  const std::vector<GraspMode> modes = findGraspModes(spread);
+  ASSERT_EQ(modes.size(), 4u);
+  EXPECT_EQ(modes[0].demonstrations.size(), 2u);
+  EXPECT_NEAR(modes[0].distance, 0.08, 1e-14);
+  for (const GraspMode& mode : modes) {
+    for (const std::size_t a : mode.demonstrations) {
+      for (const std::size_t b : mode.demonstrations) EXPECT_TRUE(sameGrasp(spread, a, b));
+    }
+  }
 }
 
 }  // namespace
