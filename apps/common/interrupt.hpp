@@ -7,8 +7,8 @@
 
 namespace graft {
 
-/// Makes SIGINT, SIGTERM and SIGHUP set a flag that long work polls; a second
-/// signal ends the process at once. A broken pipe becomes a write error.
+/// Makes SIGINT, SIGTERM and SIGHUP set a flag that long work polls; another one
+/// two seconds later ends the process at once. A broken pipe becomes a write error.
 void installInterruptHandlers();
 
 /// 0, or the signal that arrived.

@@ -15,6 +15,7 @@ void addOptimize(Program& program, Clock::time_point start);
 void addCheck(Program& program);
 void addConvert(Program& program);
 void addPlugins(Program& program);
+void addSimulate(Program& program);
 void addTypes(Program& program);
 
 }  // namespace graft

@@ -39,7 +39,9 @@ ExitCode run(const ConvertOptions& options) {
   const auto engine = makeEngine(options.engine);
   const LoadedGraph loaded = loadAndReport(options.input, *engine, options.engine);
   if (options.format == "g2o") {
-    writeFileAtomically(options.output, formatG2o(loaded.graph, loaded.values));
+    writeFileAtomically(options.output,
+                        formatG2o(loaded.graph, loaded.values,
+                                  {directoryOf(options.input), directoryOf(options.output)}));
     return ExitCode::kSuccess;
   }
   std::size_t left_out = 0;

@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   graft::addOptimize(program, start);
   graft::addCheck(program);
   graft::addConvert(program);
+  graft::addSimulate(program);
   graft::addTypes(program);
   graft::addPlugins(program);
   program.setFooter(

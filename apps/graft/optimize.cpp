@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <cstdio>
 #include <map>
 
@@ -44,6 +45,9 @@ int threadCount(const std::string& text) {
 }
 
 void refuseContradictions(const OptimizeOptions& options) {
+  if (!(std::isfinite(options.kernel_width) && options.kernel_width > 0)) {
+    throw Error(ExitCode::kUsage, "--kernel-width: expected a positive number");
+  }
   int wanting = 0;
   for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
     if (*path == "-") ++wanting;
@@ -131,7 +135,9 @@ ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
 
   const auto write_start = Clock::now();
   if (!options.output.empty() && summary.usable()) {
-    writeFileAtomically(options.output, formatG2o(loaded.graph, loaded.values));
+    writeFileAtomically(options.output,
+                        formatG2o(loaded.graph, loaded.values,
+                                  {directoryOf(options.input), directoryOf(options.output)}));
   }
   if (!options.covariance.empty() && summary.usable()) {
     writeFileAtomically(options.covariance, formatCovariances(loaded, *engine));

@@ -65,7 +65,7 @@ ExitCode run(const Options& options) {
   bars.reset();
   printMessages(diagnostics);
   writeResult(result, out);
-  report::writeReport(result, out);
+  if (result.common_grasp) report::writeReport(result, out, diagnostics.lines());
   out.commit();
   if (!result.common_grasp) {
     for (const std::string& line : describeDisagreement(result)) {

@@ -9,7 +9,14 @@ namespace graft::report {
 namespace {
 
 constexpr double kLegendLine = 20;
-constexpr double kCharacter = 6.3;  ///< about the width of one at 12 pixels
+constexpr double kCharacter = 6.1;  ///< about the width of one at 12 pixels
+
+/// Powers of ten beyond four digits by their exponent.
+std::string powerLabel(double value) {
+  if (value >= 1e-3 && value < 1e4) return shortNumber(value, 9);
+  const int power = int(std::floor(std::log10(value) + 1e-9));
+  return shortNumber(value / std::pow(10.0, power)) + "e" + std::to_string(power);
+}
 
 }  // namespace
 
@@ -71,12 +78,7 @@ std::vector<std::string> tickLabels(const std::vector<double>& ticks) {
   const int decimals = smallest > 0 ? std::max(0, int(std::ceil(-std::log10(smallest) - 1e-9))) : 2;
   std::vector<std::string> labels;
   for (const double tick : ticks) {
-    if (std::abs(tick) >= 1e5) {
-      const int power = int(std::floor(std::log10(std::abs(tick)) + 1e-9));
-      labels.push_back(shortNumber(tick / std::pow(10.0, power)) + "e" + std::to_string(power));
-    } else {
-      labels.push_back(fixedNumber(tick, std::min(decimals, 6)));
-    }
+    labels.push_back(fixedNumber(tick, std::min(decimals, 12)));
   }
   return labels;
 }
@@ -109,7 +111,7 @@ void Axes::draw(Svg& svg, const std::string& x_name, const std::string& y_name, 
   const std::vector<double> rows = log_y_ ? logTicks(y_) : niceTicks(y_, y_ticks);
   std::vector<std::string> row_labels = tickLabels(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (log_y_ && rows[i] < 1e5) row_labels[i] = shortNumber(rows[i], 9);
+    if (log_y_) row_labels[i] = powerLabel(rows[i]);
     const double y = at(x_.low, rows[i]).y;
     svg.line({box_.x, y}, {box_.x + box_.width, y}, "s-grid w1 crisp");
     svg.text({box_.x - 7, y + 3.5}, row_labels[i], "small muted", Anchor::kEnd);
@@ -140,6 +142,9 @@ void drawMark(Svg& svg, Point at, Mark mark, const std::string& classes) {
     case Mark::kBox:
     case Mark::kOutline:
       data.box({at.x - 6, at.y - 5}, 12, 10);
+      break;
+    case Mark::kDiamond:
+      data.polyline({{at.x, at.y - 5}, {at.x + 5, at.y}, {at.x, at.y + 5}, {at.x - 5, at.y}}, true);
       break;
   }
   svg.path(data, classes);

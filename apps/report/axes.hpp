@@ -62,7 +62,7 @@ class Axes {
 };
 
 /// How an entry of a legend is shown.
-enum class Mark { kDot, kRing, kCross, kLine, kBox, kOutline };
+enum class Mark { kDot, kRing, kCross, kLine, kBox, kOutline, kDiamond };
 
 struct LegendEntry {
   Mark mark;

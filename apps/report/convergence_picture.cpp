@@ -75,8 +75,7 @@ void drawEdges(Svg& svg, const std::vector<std::pair<std::string, double>>& edge
     svg.text({kLeft - 10, y + 14}, name, "label", Anchor::kEnd);
     svg.rect({kLeft, y + 4}, std::max(1.0, kBars * chi2 / largest), 13, "f-after", 1.5);
     const double end = kLeft + kBars * chi2 / largest;
-    svg.text({end + 7, y + 14.5}, chi2 >= 100 ? fixedNumber(chi2, 0) : shortNumber(chi2, 3),
-             "small");
+    svg.text({end + 7, y + 14.5}, roughNumber(chi2), "small");
     y += kRow;
   }
 }

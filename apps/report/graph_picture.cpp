@@ -90,7 +90,7 @@ class Sketch {
 
   void drawNodes() const {
     for (int i = 0; i < kColumns; ++i) {
-      const std::string n = index_ + std::to_string(i + 1);
+      const std::string n = index_ + "," + std::to_string(i + 1);
       // One pose of the object was not seen: no observation, so no ring.
       drawNode(svg_, at(i, kTorsoRow), "torso", "t" + n, true);
       drawNode(svg_, at(i, kObjectRow), "object", "o" + n, i != 2);
@@ -140,7 +140,7 @@ const std::vector<CountedEdge>& countedEdges() {
   return edges;
 }
 
-double drawCounts(Svg& svg, const lfd::LearnResult& result, double top) {
+void drawCounts(Svg& svg, const lfd::LearnResult& result, double top) {
   const std::size_t tuples = result.task.tupleCount();
   const std::size_t demos = result.task.demonstrations.size();
   const std::string n = groupedNumber(tuples);
@@ -183,17 +183,16 @@ double drawCounts(Svg& svg, const lfd::LearnResult& result, double top) {
     svg.text({x + 230, row}, groupedNumber(count), "label", Anchor::kEnd);
     ++k;
   }
-  return y;
 }
 
 }  // namespace
 
 Picture graphPicture(const lfd::LearnResult& result) {
-  Svg svg(kWidth, 690);
+  Svg svg(kWidth, kBaseRow + 62 + 9 * 19);
   const Point human{kCenter, 0.5 * (kObjectRow + kHandRow)};
   const Point robot{kCenter, 0.5 * (kHandRow + kGripperRow) + 8};
-  const Sketch left(svg, -1, "1,");
-  const Sketch right(svg, 1, "2,");
+  const Sketch left(svg, -1, "1");
+  const Sketch right(svg, 1, "2");
   PathData agreement;
   agreement.moveTo(left.graspGripper());
   agreement.curveTo({kCenter, 0.5 * (kGripperRow + kBaseRow) + 45}, right.graspGripper());
@@ -208,12 +207,12 @@ Picture graphPicture(const lfd::LearnResult& result) {
   };
   svg.text({kCenter - 225, 22}, name(0), "title", Anchor::kMiddle);
   svg.text({kCenter + 225, 22}, name(1), "title", Anchor::kMiddle);
-  const double end = drawCounts(svg, result, kBaseRow + 62);
-  (void)end;
+  drawCounts(svg, result, kBaseRow + 62);
   return {"graph", "Structure of the hypergraph",
           "Two of " + std::to_string(demos.size()) +
-              " demonstrations with three tuples each; the numbers below are those of the whole "
-              "graph. Rings are edges to one vertex; three lines that meet in a dot are edges "
+              " demonstrations with three tuples each (the right one mirrored); the numbers below "
+              "are those of the whole graph. Rings are edges to one vertex; three lines that meet "
+              "in a dot are edges "
               "between three. The shared vertices HG and RG tie all demonstrations together. In "
               "this sketch the object was not seen at the third tuple, so its pose has no ring.",
           svg};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -17,6 +18,10 @@ constexpr double kApproach = 0.03;  ///< m, length of a grasp's approach directi
 
 /// The two projections: x and y, x and z of the object's frame.
 constexpr std::array<int, 2> kVertical{1, 2};
+
+constexpr const char* kTitles[] = {"Seen along z of the object", "Seen along y of the object"};
+
+std::string verticalName(int axis) { return std::string(1, "xyz"[axis]) + " of the object, m"; }
 
 struct Dots {
   std::vector<Vec<double, 3>> points;
@@ -110,7 +115,7 @@ void drawChoice(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& resul
 
 void drawPanel(Svg& svg, const Axes& axes, int v, const std::vector<Dots>& clouds,
                const std::vector<Sample>& samples, const lfd::LearnResult& result) {
-  axes.draw(svg, "x of the object, m", std::string(1, "xyz"[v]) + " of the object, m");
+  axes.draw(svg, "x of the object, m", verticalName(v));
   svg.beginClip({axes.box().x, axes.box().y}, axes.box().width, axes.box().height);
   PathData origin;
   origin.polyline({axes.at(axes.x().low, 0), axes.at(axes.x().high, 0)});
@@ -152,17 +157,18 @@ std::array<Axes, 2> panels(const std::vector<Dots>& clouds, const std::vector<Sa
 
 Picture graspPicture(const lfd::LearnResult& result) {
   const std::vector<Dots> clouds{{seenFromObject(result.before, handOf, false), "s-hand w3 faint"},
-                                 {seenFromObject(result.after, handOf, false), "s-hand w3"},
-                                 {seenFromObject(result.after, gripperOf, false), "s-gripper w3"},
-                                 {seenFromObject(result.after, gripperOf, true), "s-gripper w5"}};
+                                 {seenFromObject(result.before, handOf, true), "s-hand w5 soft"},
+                                 {seenFromObject(result.after, handOf, false), "s-hand w6"},
+                                 {seenFromObject(result.after, gripperOf, false), "s-gripper w6"}};
   const std::vector<Sample> samples =
       samplesNear(result, result.grasp.object_T_gripper.translation);
   bool invalid = false;
   for (const Sample& sample : samples) invalid = invalid || !sample.valid;
-  std::vector<LegendEntry> legend{{Mark::kDot, "s-hand w5 faint", "hand as recorded"},
-                                  {Mark::kDot, "s-hand w5", "hand, optimized"},
-                                  {Mark::kDot, "s-gripper w5", "gripper (large: at the grasp)"},
-                                  {Mark::kDot, "s-base w5", "valid grasp and its approach"}};
+  std::vector<LegendEntry> legend{
+      {Mark::kDot, "s-hand w5 soft", "hand as recorded (large: at the grasp)"},
+      {Mark::kDot, "s-hand w6", "hand, optimized"},
+      {Mark::kDot, "s-gripper w6", "gripper, optimized"},
+      {Mark::kDot, "s-base w5", "valid grasp and its approach"}};
   if (invalid) legend.push_back({Mark::kCross, "s-muted w1", "grasp of too low quality"});
   legend.push_back({Mark::kRing, "s-ink w2", "chosen"});
   if (result.grasp.runner_up.index >= 0) {
@@ -172,9 +178,8 @@ Picture graspPicture(const lfd::LearnResult& result) {
   const double height = drawLegend(nullptr, {}, kWidth - 58, legend);
   Svg svg(kWidth, below + height + 6);
   const std::array<Axes, 2> axes = panels(clouds, samples);
-  const char* titles[] = {"Seen along z of the object", "Seen along y of the object"};
   for (std::size_t k = 0; k < 2; ++k) {
-    svg.text({axes[k].box().x, 18}, titles[k], "title");
+    svg.text({axes[k].box().x, 18}, kTitles[k], "title");
     drawPanel(svg, axes[k], kVertical[k], clouds, samples, result);
   }
   drawLegend(&svg, {58, below}, kWidth - 58, legend);
@@ -185,29 +190,64 @@ Picture graspPicture(const lfd::LearnResult& result) {
           svg};
 }
 
+namespace {
+
+/// A name beside a point, moved down until it covers no other.
+class Labels {
+ public:
+  void add(Svg& svg, const Box& panel, Point at, const std::string& name) {
+    constexpr double kLine = 12;
+    constexpr double kCharacter = 6.6;
+    const bool left = at.x > panel.x + 0.6 * panel.width;
+    const double width = kCharacter * double(name.size());
+    Box box{left ? at.x - 8 - width : at.x + 8, at.y - 0.5 * kLine, width, kLine};
+    while (std::any_of(taken_.begin(), taken_.end(), [&](const Box& b) {
+      return std::abs(b.y - box.y) < kLine && b.x < box.x + box.width && box.x < b.x + b.width;
+    })) {
+      box.y += 1;
+    }
+    taken_.push_back(box);
+    if (box.y > at.y) {
+      svg.line(at, {left ? at.x - 8 : at.x + 8, box.y + 0.5 * kLine}, "s-muted w1 soft");
+    }
+    svg.text({left ? at.x - 8 : at.x + 8, box.y + 0.5 * kLine + 4}, name, "small",
+             left ? Anchor::kEnd : Anchor::kStart);
+  }
+  /// Dots keep names off, too.
+  void addDot(Point at) { taken_.push_back({at.x - 4, at.y - 6, 8, 12}); }
+
+ private:
+  std::vector<Box> taken_;
+};
+
+void drawHolds(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& result) {
+  PathData dots;
+  Labels labels;
+  std::vector<Point> points;
+  for (const Pose& hold : result.spread.object_T_hand) {
+    points.push_back(axes.at(hold.translation[0], hold.translation[v]));
+    dots.dot(points.back());
+    labels.addDot(points.back());
+  }
+  for (std::size_t d = 0; d < points.size(); ++d) {
+    labels.add(svg, axes.box(), points[d],
+               d < result.task.demonstrations.size() ? result.task.demonstrations[d].matched.name
+                                                     : std::to_string(d + 1));
+  }
+  svg.path(dots, "s-hand w6");
+}
+
+}  // namespace
+
 Picture holdsPicture(const lfd::LearnResult& result) {
-  const std::vector<Pose>& holds = result.spread.object_T_hand;
-  Dots dots{{}, "s-hand w5"};
-  for (const Pose& pose : holds) dots.points.push_back(pose.translation);
+  Dots dots{{}, ""};
+  for (const Pose& pose : result.spread.object_T_hand) dots.points.push_back(pose.translation);
   const std::array<Axes, 2> axes = panels({dots}, {});
   Svg svg(kWidth, kTop + kPanel + 44);
   for (std::size_t k = 0; k < 2; ++k) {
-    const int v = kVertical[k];
-    svg.text({axes[k].box().x, 18},
-             k == 0 ? "Seen along z of the object" : "Seen along y of the object", "title");
-    axes[k].draw(svg, "x of the object, m", std::string(1, "xyz"[v]) + " of the object, m");
-    PathData path;
-    for (std::size_t d = 0; d < holds.size(); ++d) {
-      const Point p = axes[k].at(dots.points[d][0], dots.points[d][v]);
-      path.dot(p);
-      const std::string name = d < result.task.demonstrations.size()
-                                   ? result.task.demonstrations[d].matched.name
-                                   : std::to_string(d + 1);
-      const bool left = p.x > axes[k].box().x + 0.75 * axes[k].box().width;
-      svg.text({p.x + (left ? -7 : 7), p.y + 4}, name, "small",
-               left ? Anchor::kEnd : Anchor::kStart);
-    }
-    svg.path(path, dots.classes);
+    svg.text({axes[k].box().x, 18}, kTitles[k], "title");
+    axes[k].draw(svg, "x of the object, m", verticalName(kVertical[k]));
+    drawHolds(svg, axes[k], kVertical[k], result);
   }
   return {"holds", "Where each demonstration holds the object",
           "Mean position of the hand in the object's frame while it is manipulated. A shared grasp "

@@ -189,14 +189,12 @@ Picture mapPicture(const lfd::LearnResult& result, const Estimates& estimates,
   drawLegend(&svg, {10, below}, kWidth - 20, legend);
   std::string caption;
   if (result.scene.reach != nullptr) {
-    caption +=
-        percent(counts.unreachable, counts.tuples) + " of the bases cannot reach the gripper";
+    caption += "Out of reach: " + percent(counts.unreachable, counts.tuples) + ". ";
   }
   if (result.scene.footprint != nullptr) {
-    caption += (caption.empty() ? "" : ", ") + percent(counts.colliding, counts.tuples) +
-               " collide with the map";
+    caption += "In collision: " + percent(counts.colliding, counts.tuples) + ".";
   }
-  return {name, title, caption.empty() ? "" : caption + ".", svg};
+  return {name, title, caption, svg};
 }
 
 }  // namespace

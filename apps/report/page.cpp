@@ -26,15 +26,18 @@ th:first-child,td:first-child{text-align:left}
 th{font-weight:600;border-bottom:1px solid var(--ink)}
 td{border-bottom:1px solid var(--rule)}
 ul{max-width:46rem;padding-left:1.2rem}
+ul.two{columns:2;column-gap:1rem;max-width:none;font-size:.82rem}
+td+td{white-space:nowrap}
 ul.plain{font-size:.93rem;overflow-wrap:anywhere}
 figure{margin:1.4rem 0}
 figure svg{display:block;width:100%;height:auto}
 figcaption{font-size:.9rem;max-width:46rem;margin-top:.5rem}
 figcaption b{color:var(--ink)}
-.side{display:grid;grid-template-columns:repeat(auto-fit,minmax(400px,1fr));gap:1.2rem}
+.side{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(400px,100%),1fr));gap:1.2rem}
 .side figure{margin:0}
 .side svg{max-width:480px}
 .scroll{overflow-x:auto}
+@media screen{.scroll svg{min-width:640px}}
 @media print{body{max-width:none;padding:0;font-size:11pt}
 h2{break-after:avoid}figure,table,tr{break-inside:avoid}
 .side{grid-template-columns:1fr 1fr}}

@@ -14,10 +14,13 @@ constexpr double kDegrees = 180 / 3.14159265358979323846;
 std::string seconds(double value) { return fixedNumber(value, value < 10 ? 2 : 1) + " s"; }
 
 std::string metres(double value) {
-  return value < 0.01 ? shortNumber(1000 * value, 2) + " mm" : shortNumber(100 * value, 2) + " cm";
+  return value < 0.01 ? shortNumber(1000 * value, 2) + " mm"
+                      : shortNumber(100 * value, value < 0.1 ? 2 : 1) + " cm";
 }
 
 std::string degrees(double value) { return shortNumber(kDegrees * value, 2) + "\u00B0"; }
+
+std::string wholeDegrees(double value) { return fixedNumber(kDegrees * value, 0) + "\u00B0"; }
 
 std::string plural(std::size_t count, const std::string& noun) {
   return groupedNumber(count) + " " + noun + (count == 1 ? "" : "s");
@@ -47,7 +50,6 @@ std::vector<std::string> remarks(const lfd::LearnResult& result) {
     lines.push_back("The task has no map: collisions of the base were not considered.");
   }
   if (!result.common_grasp) return lines;
-  lines.insert(lines.end(), result.summary.notes.begin(), result.summary.notes.end());
   std::size_t unsolved = 0;
   std::size_t too_fast = 0;
   for (const lfd::IkTrack& track : result.joints) {
@@ -74,9 +76,12 @@ std::string sigmaText(double sigma, bool rotation) {
 
 void addOverview(Page& page, const lfd::LearnResult& result) {
   page.paragraph(
-      "What the robot learned from watching: the recordings were corrected, a grasp for the "
-      "robot's gripper was chosen, and base positions were found from which the arm reaches all "
-      "of it (method: Welschehold, Dornhege, Burgard, 2017).",
+      result.common_grasp
+          ? "What the robot learned from watching: the recordings were corrected, a grasp for the "
+            "robot's gripper was chosen, and base positions were found from which the arm reaches "
+            "all of it (method: Welschehold, Dornhege, Burgard, 2017)."
+          : "Nothing was learned from these recordings, because the person held the object in "
+            "different ways. Below is how they differ.",
       "quiet");
   double duration = 0;
   for (const lfd::PreparedDemonstration& demo : result.task.demonstrations) {
@@ -115,8 +120,8 @@ void addTable(Page& page, const lfd::LearnResult& result) {
     std::vector<std::string> line{row.label, formatValue(row.before, row.unit),
                                   formatValue(row.after, row.unit)};
     if (paper) {
-      line.push_back(formatValue(row.paper_before, row.unit));
-      line.push_back(formatValue(row.paper_after, row.unit));
+      line.push_back(formatGiven(row.paper_before, row.unit));
+      line.push_back(formatGiven(row.paper_after, row.unit));
     }
     cells.push_back(line);
   }
@@ -142,10 +147,10 @@ void addGrasp(Page& page, const lfd::LearnResult& result) {
   page.heading("The grasp");
   std::string text = "Row " + std::to_string(grasp.row) + " of the grasp file";
   if (grasp.choice.flipped) text += ", turned by 180\u00B0 about its approach,";
-  text += " was chosen; its cost is " + shortNumber(grasp.choice.cost, 3) + ".";
+  text += " was chosen; its cost is " + roughNumber(grasp.choice.cost) + ".";
   if (grasp.runner_up.index >= 0) {
     text += " The runner-up is row " + std::to_string(grasp.runner_up_row) + " with cost " +
-            shortNumber(grasp.runner_up.cost, 3) + ".";
+            roughNumber(grasp.runner_up.cost) + ".";
   } else {
     text += " There is no other valid grasp.";
   }
@@ -178,11 +183,11 @@ void addDisagreement(Page& page, const lfd::LearnResult& result) {
   page.paragraph(
       "The demonstrations hold the object in different ways, so there is no single grasp "
       "to learn. Nothing was optimized. They differ by up to " +
-          metres(result.spread.distance) + " and " + degrees(result.spread.angle) +
+          metres(result.spread.distance) + " and " + wholeDegrees(result.spread.angle) +
           "; the same grasp means within " + metres(lfd::kSameGraspDistance) + " and " +
-          degrees(lfd::kSameGraspAngle) + ".",
+          wholeDegrees(lfd::kSameGraspAngle) + ".",
       "warning");
-  page.list(lfd::describeDisagreement(result));
+  page.list(lfd::describeDisagreement(result), "two");
   page.paragraph(
       "Learn from demonstrations that hold the object alike: leave the others out of the "
       "task file, or record them again.");
@@ -191,15 +196,17 @@ void addDisagreement(Page& page, const lfd::LearnResult& result) {
 void addSolve(Page& page, const lfd::LearnResult& result) {
   const Summary& summary = result.summary;
   page.heading("Optimization");
-  std::string text = "Status: " + std::string(statusName(summary.status));
+  std::string status = statusName(summary.status);
+  std::replace(status.begin(), status.end(), '_', ' ');
+  std::string text = "Status: " + status;
   if (!summary.reason.empty()) text += " (" + summary.reason + ")";
   text +=
       " after " + plural(std::size_t(summary.iterationCount()), "iteration") + "; \u03C7\u00B2 " +
-      shortNumber(summary.chi2_initial, 1) + " \u2192 " + shortNumber(summary.chi2_final, 1) +
-      ". " +
+      roughNumber(summary.chi2_initial) + " \u2192 " + roughNumber(summary.chi2_final) + ". " +
       plural(std::size_t(std::max<std::int64_t>(0, summary.associations_changed)), "association") +
       " with grasps and reachable cells changed on the way.";
   page.paragraph(text);
+  if (!summary.notes.empty()) page.list(summary.notes, "plain quiet");
 }
 
 void addModel(Page& page, const lfd::LearnResult& result) {

@@ -61,7 +61,8 @@ void addResult(Page& page, Writer& pictures, const lfd::LearnResult& result) {
 void writeReport(const lfd::LearnResult& result, StagedDirectory& out,
                  const std::vector<std::string>& messages) {
   const std::string& task = result.task.task.name;
-  Page page((task.empty() ? "Unnamed task" : task) + ": learned from demonstrations");
+  Page page((task.empty() ? "Unnamed task" : task) +
+            (result.common_grasp ? ": learned from demonstrations" : ": no common grasp"));
   Writer pictures(page, out);
   addOverview(page, result);
   if (result.common_grasp) {

@@ -10,7 +10,7 @@ constexpr double kWidth = 960;
 constexpr double kLeft = 120;
 constexpr double kRight = 60;
 constexpr double kTop = 34;
-constexpr double kRow = 58;
+constexpr double kRow = 64;
 
 struct Track {
   const char* name;
@@ -47,7 +47,7 @@ void drawDemonstration(Svg& svg, const Axes& axes, const lfd::PreparedDemonstrat
   svg.rect({grasp, y + 2}, release - grasp, 16, "f-manipulation");
   svg.rect({release, y + 2}, x(last) - release, 16, "f-retreat");
   for (const double boundary : {grasp, release}) {
-    svg.line({boundary, y}, {boundary, y + 46}, "s-ink w1 crisp");
+    svg.line({boundary, y}, {boundary, y + 54}, "s-ink w1 crisp");
   }
   svg.text({x(last) + 6, y + 14}, std::to_string(times.size()), "small muted");
   const Track tracks[] = {{"hand", "s-hand", &demo.matched.hand},
@@ -56,7 +56,7 @@ void drawDemonstration(Svg& svg, const Axes& axes, const lfd::PreparedDemonstrat
   double row = y + 22;
   for (const Track& track : tracks) {
     drawTicks(svg, axes, times, track, row);
-    row += 9.5;
+    row += 11.5;
   }
 }
 

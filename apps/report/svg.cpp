@@ -111,6 +111,19 @@ std::string shortNumber(double value, int decimals) {
   return text;
 }
 
+std::string roughNumber(double value) {
+  const double size = std::abs(value);
+  if (!std::isfinite(value)) return "-";
+  if (size >= 1e9 || (size > 0 && size < 1e-3)) {
+    const int power = int(std::floor(std::log10(size)));
+    return shortNumber(value / std::pow(10.0, power)) + "e" + std::to_string(power);
+  }
+  if (size >= 100) {
+    return (value < 0 ? "-" : "") + groupedNumber(static_cast<std::size_t>(std::llround(size)));
+  }
+  return shortNumber(value, size >= 10 ? 1 : size >= 1 ? 2 : size >= 0.1 ? 3 : 4);
+}
+
 std::string groupedNumber(std::size_t value) {
   std::string text = std::to_string(value);
   for (int i = int(text.size()) - 3; i > 0; i -= 3) text.insert(std::size_t(i), ",");
@@ -220,7 +233,7 @@ void Svg::circle(Point center, double radius, std::string_view classes) {
 
 void Svg::rect(Point corner, double width, double height, std::string_view classes,
                double corner_radius) {
-  if (!finite(corner) || !(width >= 0) || !(height >= 0)) return;
+  if (!finite(corner) || !finite({width, height}) || width < 0 || height < 0) return;
   open("rect");
   attribute("class", classes);
   attribute("x", corner.x);
@@ -290,7 +303,7 @@ const std::string& pictureStyle() {
       ".gp text.small{font-size:10.5px}.gp text.title{font-size:13px;font-weight:600}\n"
       ".gp path,.gp circle{fill:none}.gp path{stroke-linecap:round;stroke-linejoin:round}\n"
       ".gp .w1{stroke-width:1}.gp .w2{stroke-width:2}.gp .w3{stroke-width:3}"
-      ".gp .w5{stroke-width:5}\n"
+      ".gp .w5{stroke-width:5}.gp .w6{stroke-width:6.5}\n"
       ".gp .soft{opacity:.55}.gp .faint{opacity:.28}.gp .dash{stroke-dasharray:5 4}\n"
       ".gp .crisp{shape-rendering:crispEdges}\n" +
       colourRules(false) + "@media screen and (prefers-color-scheme:dark){\n" + colourRules(true) +

@@ -21,7 +21,9 @@ std::string escapeXml(std::string_view text);
 /// Numbers that are not finite become "-".
 std::string shortNumber(double value, int decimals = 2);
 std::string fixedNumber(double value, int decimals);
-/// An integer with thin groups: 12,345.
+/// A number with three significant digits: 12,801; 84.3; 0.0312; 4.1e-07.
+std::string roughNumber(double value);
+/// An integer in groups of three: 12,345.
 std::string groupedNumber(std::size_t value);
 
 /// The `d` of a path. Points that are not finite are left out and break the line.
@@ -51,7 +53,7 @@ enum class Anchor { kStart, kMiddle, kEnd };
 
 /// A picture under construction. How things look is said by classes of
 /// pictureStyle(): f-ROLE fills and s-ROLE strokes with a role's colour, w1 w2 w3
-/// w5 are widths of strokes, soft and faint are opacities, dash is a pattern;
+/// w5 w6 are widths of strokes, soft and faint are opacities, dash is a pattern;
 /// texts are label, small, title, muted.
 class Svg {
  public:

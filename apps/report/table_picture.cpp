@@ -15,10 +15,7 @@ constexpr double kValues = 70;  ///< pixels right for numbers beside bars
 
 void drawPaper(Svg& svg, const Axes& axes, const std::optional<double>& value, double middle) {
   if (!value.has_value()) return;
-  const double x = axes.at(*value, 0).x;
-  PathData diamond;
-  diamond.polyline({{x, middle - 5}, {x + 5, middle}, {x, middle + 5}, {x - 5, middle}}, true);
-  svg.path(diamond, "s-ink w1 f-paper");
+  drawMark(svg, {axes.at(*value, 0).x, middle}, Mark::kDiamond, "s-ink w1 f-paper");
 }
 
 void drawBar(Svg& svg, const Axes& axes, const std::optional<double>& value, Unit unit, double y,
@@ -70,14 +67,8 @@ Picture tablePicture(const lfd::LearnResult& result) {
   Svg svg(kWidth, 30 + kRow * double(rows.size()) + 3 * 52);
   std::vector<LegendEntry> legend{{Mark::kBox, "f-before", "before"},
                                   {Mark::kBox, "f-after", "after optimization"}};
+  if (paper) legend.push_back({Mark::kDiamond, "s-ink w1 f-paper", "the paper's figure"});
   drawLegend(&svg, {kLabels, 4}, kWidth - kLabels, legend);
-  if (paper) {
-    PathData diamond;
-    diamond.polyline(
-        {{kLabels + 276, 9}, {kLabels + 281, 14}, {kLabels + 276, 19}, {kLabels + 271, 14}}, true);
-    svg.path(diamond, "s-ink w1 f-paper");
-    svg.text({kLabels + 288, 18}, "the paper's figure", "label");
-  }
   double y = 34;
   for (const Unit unit : {Unit::kCentimetre, Unit::kDegree, Unit::kPercent}) {
     y = drawPanel(svg, rows, unit, y);

@@ -45,6 +45,10 @@ std::optional<double> scaled(const std::optional<double>& value, Unit unit) {
   return *value * (unit == Unit::kDegree ? kDegrees : 100.0);
 }
 
+std::string suffix(Unit unit) {
+  return unit == Unit::kDegree ? "\u00B0" : std::string(" ") + unitName(unit);
+}
+
 std::optional<double> given(double value) {
   return value == kNone ? std::nullopt : std::optional<double>(value);
 }
@@ -113,15 +117,13 @@ std::vector<TableRow> tableRows(const std::string& task, const lfd::Table1& befo
 
 std::string formatValue(const std::optional<double>& value, Unit unit) {
   if (!value.has_value()) return "\u2013";
-  switch (unit) {
-    case Unit::kCentimetre:
-      return fixedNumber(*value, 2) + " cm";
-    case Unit::kDegree:
-      return fixedNumber(*value, 2) + "\u00B0";
-    case Unit::kPercent:
-      return fixedNumber(*value, 2) + " %";
-  }
-  return "";
+  int decimals = 2;
+  if (unit != Unit::kPercent && *value > 0) decimals += (*value < 0.1) + (*value < 0.01);
+  return fixedNumber(*value, decimals) + suffix(unit);
+}
+
+std::string formatGiven(const std::optional<double>& value, Unit unit) {
+  return value.has_value() ? shortNumber(*value) + suffix(unit) : "\u2013";
 }
 
 }  // namespace graft::report

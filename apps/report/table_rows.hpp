@@ -37,7 +37,9 @@ std::vector<TableRow> tableRows(const std::string& task, const lfd::Table1& befo
 /// Whether the paper has figures for a task of this name.
 bool isTaskOfPaper(const std::string& task);
 
-/// "0.55 cm", "8.0°", "99.74 %", or a dash.
+/// "0.55 cm", "8.02°", "99.74 %" (small ones with more decimals), or a dash.
 std::string formatValue(const std::optional<double>& value, Unit unit);
+/// The same for figures that are given with few decimals: "8.1°".
+std::string formatGiven(const std::optional<double>& value, Unit unit);
 
 }  // namespace graft::report

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <numeric>
 
 #include "core/base/text.hpp"
@@ -18,14 +19,36 @@ void appendNumbers(std::string& out, const double* numbers, std::size_t count) {
   }
 }
 
-void writeResources(const Graph& graph, std::string& out) {
+namespace fs = std::filesystem;
+
+/// A token as it is written, see ResourceFolders.
+std::string relocated(const std::string& token, const ResourceFolders& folders) {
+  double number = 0;
+  if (folders.graph == folders.text || fs::path(token).is_absolute() ||
+      parseDouble(token, number) == NumberStatus::kOk) {
+    return token;
+  }
+  std::error_code error;
+  const fs::path file = fs::path(folders.graph) / token;
+  if (!fs::is_regular_file(file, error)) return token;
+  const fs::path moved = fs::relative(file, folders.text, error);
+  // A blank would split the token.
+  if (error || moved.empty() || moved.string().find_first_of(" \t") != std::string::npos) {
+    return token;
+  }
+  return moved.string();
+}
+
+void writeResources(const Graph& graph, const ResourceFolders& folders, std::string& out) {
   std::vector<const Resource*> resources;
   for (const Resource& resource : graph.resources()) resources.push_back(&resource);
   std::sort(resources.begin(), resources.end(),
             [](const Resource* a, const Resource* b) { return a->id < b->id; });
   for (const Resource* resource : resources) {
     out += std::string(resource->type->tag) + ' ' + std::to_string(resource->id);
-    for (const std::string& token : resource->tokens) out += ' ' + token;
+    for (const std::string& token : resource->tokens) {
+      out += ' ' + relocated(token, folders);
+    }
     out += '\n';
   }
 }
@@ -119,9 +142,9 @@ void writeEdges(const Graph& graph, const EdgeBlock& block, std::string& out) {
 
 }  // namespace
 
-std::string formatG2o(const Graph& graph, const Values& values) {
+std::string formatG2o(const Graph& graph, const Values& values, const ResourceFolders& folders) {
   std::string out;
-  writeResources(graph, out);
+  writeResources(graph, folders, out);
   writeVertices(graph, values, out);
   std::vector<const EdgeBlock*> blocks;
   for (const EdgeBlock& block : graph.edgeBlocks()) blocks.push_back(&block);

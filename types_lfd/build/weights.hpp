@@ -26,8 +26,9 @@ struct Weights {
   double relative_motion_factor = 3;
   /// E2 between interpolated poses is trusted this much less again.
   double interpolated_factor = 2;
-  /// Change of velocity in one second of free motion (white-noise acceleration).
-  Sigma steady_motion{0.25, 1.0};
+  /// Change of velocity in one second (white-noise acceleration): people move
+  /// furniture, and reach for it, smoothly at the rate of a tracker.
+  Sigma steady_motion{0.05, 0.2};
   /// E3: a step may be as long as the demonstrated one, times this (paper:
   /// "scaled by the distance between the poses"), and at least the floor below.
   double smooth_factor = 1;
@@ -36,8 +37,9 @@ struct Weights {
   /// (0.1 to 0.5 cm) needs well below a millimetre per edge.
   Sigma human_grasp{0.0005, 0.0044};
   Sigma robot_grasp{0.0005, 0.0044};
-  /// E6 against E8: the grasp must fit within the gripper's tolerance.
-  Sigma grasp_quality{0.001, 0.0087};
+  /// E6 against E8 and E9: a sampled grasp is one that holds, so the gripper goes
+  /// there within what its fingers give; base and offset to the hand adapt.
+  Sigma grasp_quality{0.0003, 0.0017};
   /// E7: how closely the gripper follows the hand from tuple to tuple.
   Sigma hand_gripper{0.02, 0.14};
   /// E8: a gripper grasps some centimetres from where the hand did.

@@ -140,27 +140,17 @@ void extractGrasp(const Extractor& extractor, const Values& values, const Graph&
   for (std::size_t k = 0; k < blocks.size(); ++k) grasp.covariance[names[k]] = blocks[k];
 }
 
-/// Arm configurations for the optimized pairs of gripper and base.
-void solveArm(LearnResult& result, const Phases& phases) {
-  std::size_t solved = 0;
-  std::size_t tuples = 0;
-  for (const DemonstrationEstimate& demo : result.after) {
-    std::vector<Pose> base_T_gripper;
-    for (std::size_t i = 0; i < demo.size(); ++i) {
-      base_T_gripper.push_back(floorPose(demo.base[i]).inverse() * demo.gripper[i]);
-    }
-    result.joints.push_back(solveIkAlong(*result.scene.chain, base_T_gripper, demo.times));
-    solved += result.joints.back().solved;
-    tuples += demo.size();
-    phases.report(double(result.joints.size()) / double(result.after.size()));
+/// The last step: bases where the arm reaches and nothing is hit, with the arm's
+/// configurations.
+void refine(LearnResult& result, const LearnOptions& options, Diagnostics& diagnostics) {
+  RefineOptions refinement;
+  refinement.threads = options.threads;
+  result.refinement = refineBases(result.after, result.scene, refinement);
+  for (std::size_t d = 0; d < result.after.size(); ++d) {
+    result.after[d].base = result.refinement.tracks[d].base;
+    result.joints.push_back(result.refinement.tracks[d].joints);
   }
-  result.table_after.ik_achievable = double(solved) / double(tuples);
-}
-
-bool agrees(const GraspSpread& spread, std::size_t a, std::size_t b, Vec<double, 2>& gap) {
-  const Vec<double, 6> e = poseError(spread.object_T_hand[a].inverse() * spread.object_T_hand[b]);
-  gap = {e.head<3>().norm(), e.tail<3>().norm()};
-  return gap[0] <= kSameGraspDistance && gap[1] <= kSameGraspAngle;
+  for (const std::string& note : result.refinement.notes) diagnostics.note({}, note);
 }
 
 void runOptimizer(LoadedGraph& loaded, Registry& registry, const LearnOptions& options,
@@ -196,12 +186,13 @@ std::vector<std::string> describeDisagreement(const LearnResult& result) {
   const auto& demos = result.task.demonstrations;
   for (std::size_t b = 0; b < demos.size(); ++b) {
     for (std::size_t a = 0; a < b; ++a) {
-      Vec<double, 2> gap;
-      if (agrees(result.spread, a, b, gap)) continue;
+      if (sameGrasp(result.spread, a, b)) continue;
+      const Vec<double, 6> e =
+          poseError(result.spread.object_T_hand[a].inverse() * result.spread.object_T_hand[b]);
       char text[160];
       std::snprintf(text, sizeof text, "%s and %s hold the object %.1f cm and %.0f degrees apart",
-                    demos[a].matched.name.c_str(), demos[b].matched.name.c_str(), 100 * gap[0],
-                    gap[1] * 180 / 3.14159265358979323846);
+                    demos[a].matched.name.c_str(), demos[b].matched.name.c_str(),
+                    100 * e.head<3>().norm(), e.tail<3>().norm() * 180 / 3.14159265358979323846);
       lines.emplace_back(text);
     }
   }
@@ -226,7 +217,8 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   phases.begin("prepare");
   result.task = prepareTask(task_path, diagnostics);
   result.spread = graspSpread(result.task.demonstrations);
-  result.common_grasp = describeDisagreement(result).empty();
+  result.modes = findGraspModes(result.spread);
+  result.common_grasp = result.modes.size() == 1;
   if (!result.common_grasp) {
     phases.end();
     return result;
@@ -252,12 +244,16 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   result.after = extractor.demonstrations(loaded.values);
   result.graph_optimized = formatG2o(loaded.graph, loaded.values);
 
+  phases.begin("refine");
+  result.table_optimized = computeTable1(result.after, scene, false);
+  refine(result, options, diagnostics);
+
   phases.begin("evaluate");
   result.table_after = computeTable1(result.after, scene, false);
+  result.table_after.ik_achievable =
+      double(result.refinement.solved) / double(result.refinement.tuples);
   result.residual_per_dof = observationResidualPerDof(result.task.demonstrations, result.after);
   extractGrasp(extractor, loaded.values, loaded.graph, registry, result);
-  phases.begin("arm");
-  solveArm(result, phases);
   phases.begin("fit");
   result.model = fitMotionModel(result.task.task.name, result.after, diagnostics);
   phases.end();

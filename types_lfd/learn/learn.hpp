@@ -10,10 +10,11 @@
 #include "core/solve/summary.hpp"
 #include "core/types/registry.hpp"
 #include "types_lfd/build/graph_builder.hpp"
+#include "types_lfd/build/grasp_modes.hpp"
 #include "types_lfd/build/scene.hpp"
 #include "types_lfd/eval/metrics.hpp"
 #include "types_lfd/model/motion_model.hpp"
-#include "types_lfd/robot/arm_ik.hpp"
+#include "types_lfd/refine/refine.hpp"
 
 namespace graft::lfd {
 
@@ -45,13 +46,16 @@ struct LearnResult {
   PreparedTask task;
   TaskScene scene;
   GraspSpread spread;
+  std::vector<GraspMode> modes;  ///< ways of holding the object, most demonstrations first
   /// False where the demonstrations hold the object in different ways; then all
   /// below is empty.
   bool common_grasp = true;
   std::vector<DemonstrationEstimate> before;
-  std::vector<DemonstrationEstimate> after;
+  std::vector<DemonstrationEstimate> after;  ///< optimized, bases refined
+  RefineResult refinement;
   std::vector<IkTrack> joints;
   Table1 table_before;
+  Table1 table_optimized;  ///< before the refinement
   Table1 table_after;
   double residual_per_dof = 0;
   LearnedGrasp grasp;
@@ -62,12 +66,6 @@ struct LearnResult {
   std::string graph_optimized;  ///< text of graph_optimized.g2o
   std::map<std::string, double> seconds;
 };
-
-/// Two demonstrations hold the object in the same way if their mean hand poses
-/// on it are within these limits: the width of a palm (m), and what a wrist
-/// turns about a handle without another hold (rad, 40 degrees).
-constexpr double kSameGraspDistance = 0.10;
-constexpr double kSameGraspAngle = 0.7;
 
 /// Runs all stages. The files that the graph's resources name are written to
 /// `resource_directory`/resources (which must exist), so that graph.g2o beside

@@ -19,25 +19,18 @@ Json poseNumbers(const Pose& pose) {
   return v;
 }
 
-/// The one mode of holding the object; its spread is the largest between two of
-/// its demonstrations.
+/// Ways of holding the object; the grasp is known for one that was learned.
 Json graspModes(const LearnResult& result) {
-  Json names = Json::array();
-  for (const PreparedDemonstration& demo : result.task.demonstrations) {
-    names.push_back(demo.matched.name);
-  }
-  if (result.common_grasp) {
-    return Json::array({{{"demonstrations", names},
-                         {"grasp", result.grasp.row},
-                         {"spread_m", result.spread.distance},
-                         {"spread_rad", result.spread.angle}}});
-  }
   Json modes = Json::array();
-  for (const auto& name : names) {
-    modes.push_back({{"demonstrations", Json::array({name})},
-                     {"grasp", nullptr},
-                     {"spread_m", 0.0},
-                     {"spread_rad", 0.0}});
+  for (const GraspMode& mode : result.modes) {
+    Json names = Json::array();
+    for (const std::size_t d : mode.demonstrations) {
+      names.push_back(result.task.demonstrations[d].matched.name);
+    }
+    modes.push_back({{"demonstrations", names},
+                     {"grasp", result.common_grasp ? Json(result.grasp.row) : Json(nullptr)},
+                     {"spread_m", mode.distance},
+                     {"spread_rad", mode.angle}});
   }
   return modes;
 }
@@ -62,6 +55,23 @@ Json weightsJson(const LearnResult& result) {
   }
   json["observation"] = observation;
   return json;
+}
+
+/// What the last step did: tuples whose base moved, how far (m, rad), and what
+/// is still wrong; the shares before it for comparison.
+Json refinementJson(const LearnResult& result) {
+  const RefineResult& r = result.refinement;
+  return {{"moved", r.moved},
+          {"mean_m", r.mean_distance},
+          {"mean_rad", r.mean_turn},
+          {"max_m", r.farthest},
+          {"max_rad", r.farthest_turn},
+          {"unresolved", r.unresolved},
+          {"blocked_steps", r.blocked_steps},
+          {"fast_steps", r.fast_steps},
+          {"before",
+           {{"map_collision_free", optionalNumber(result.table_optimized.map_collision_free)},
+            {"kinematically_achievable", result.table_optimized.kinematically_achievable}}}};
 }
 
 }  // namespace
@@ -101,10 +111,11 @@ Json metricsJson(const LearnResult& result) {
     json["iterations"] = result.summary.iterationCount();
     json["status"] = statusName(result.summary.status);
     json["reason"] = result.summary.reason;
-    json["chi2"] = {{"initial", result.summary.chi2_initial},
-                    {"final", result.summary.chi2_final},
-                    {"by_edge", result.summary.chi2_by_tag}};
+    json["chi2"] = result.summary.chi2_by_tag;
+    json["chi2_initial"] = result.summary.chi2_initial;
+    json["chi2_final"] = result.summary.chi2_final;
     json["e1_per_dof"] = result.residual_per_dof;
+    json["refinement"] = refinementJson(result);
   }
   json["seconds"] = result.seconds;
   return json;

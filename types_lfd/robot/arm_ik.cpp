@@ -119,7 +119,7 @@ bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& o
     const Error6 trial_e = poseDifference(base_T_gripper, pose);
     const double trial_cost = trial_e.squaredNorm();
     if (trial_cost < cost) {
-      const bool stalled = trial_cost > cost * (1 - 1e-4);
+      const bool stalled = trial_cost > cost * (1 - options.stall);
       q = trial;
       e = trial_e;
       cost = trial_cost;

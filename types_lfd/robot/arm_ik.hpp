@@ -15,7 +15,10 @@ struct IkOptions {
   double tolerance_r = 1e-4;  ///< accepted angle of the gripper, rad
   int iterations = 60;        ///< of each attempt
   int restarts = 30;          ///< from random joint vectors, after the start itself
-  std::uint64_t seed = 1;     ///< of the restarts; the same seed gives the same answer
+  /// An attempt is given up where a step lowers the squared error by less than
+  /// this share.
+  double stall = 1e-4;
+  std::uint64_t seed = 1;  ///< of the restarts; the same seed gives the same answer
 };
 
 /// A joint vector within the limits whose forward kinematics is base_T_gripper

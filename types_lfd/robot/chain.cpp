@@ -246,4 +246,21 @@ void Chain::jacobian(const double* q, Pose& base_T_gripper, Jacobian& jacobian) 
   base_T_gripper = Pose(t, Eigen::Quaterniond(r).normalized());
 }
 
+Eigen::Matrix3Xd Chain::origins(const Eigen::VectorXd& q) const {
+  Eigen::Matrix3Xd points(3, dof());
+  Eigen::Matrix3d r = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    append(r, t, joints_[i].rotation, joints_[i].translation);
+    points.col(column) = t;
+    if (joints_[i].prismatic) {
+      t += q[column] * r.col(2);
+    } else {
+      turnAboutZ(r, q[column]);
+    }
+  }
+  return points;
+}
+
 }  // namespace graft::lfd

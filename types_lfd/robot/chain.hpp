@@ -51,6 +51,9 @@ class Chain {
   /// joint speed.
   void jacobian(const double* q, Pose& base_T_gripper, Jacobian& jacobian) const;
 
+  /// Where the joints sit: 3 x dof, each joint's origin in the base frame (m).
+  Eigen::Matrix3Xd origins(const Eigen::VectorXd& q) const;
+
   /// Index of a prismatic joint that moves all that follows straight up or
   /// down in the base frame whatever the other joints do (a torso); -1 if none.
   int heightJoint() const { return height_joint_; }

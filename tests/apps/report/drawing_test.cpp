@@ -55,6 +55,18 @@ TEST(Numbers, AreShortAndNeverStrange) {
   EXPECT_EQ(groupedNumber(1234567), "1,234,567");
 }
 
+TEST(Numbers, RoughOnesKeepThreeDigits) {
+  EXPECT_EQ(roughNumber(13043470.7), "13,043,471");
+  EXPECT_EQ(roughNumber(-1234.4), "-1,234");
+  EXPECT_EQ(roughNumber(84.259), "84.3");
+  EXPECT_EQ(roughNumber(3.908), "3.91");
+  EXPECT_EQ(roughNumber(0), "0");
+  EXPECT_EQ(roughNumber(0.0312), "0.0312");
+  EXPECT_EQ(roughNumber(4.13e-7), "4.13e-7");
+  EXPECT_EQ(roughNumber(2.5e12), "2.5e12");
+  EXPECT_EQ(roughNumber(kNan), "-");
+}
+
 TEST(Paths, LeaveOutWhatIsNotFinite) {
   PathData path;
   path.polyline({{0, 0}, {1, 1}, {kNan, 2}, {3, 3}, {4, 4}, {5, kInfinity}});

@@ -164,6 +164,40 @@ TEST(G2o, IndefiniteInformationIsProjectedOnRequest) {
   }
 }
 
+/// A resource whose one token is the name of a file.
+const graft_resource_type kFileResource = {
+    sizeof(graft_resource_type),
+    "TEST_FILE",
+    "a file",
+    "name",
+    [](const char* directory, std::int32_t, const char* const* tokens,
+       graft_message*) -> const void* {
+      return new std::string(testing::readTestFile(std::string(directory) + '/' + tokens[0]));
+    },
+    [](const void* resource) { delete static_cast<const std::string*>(resource); }};
+
+TEST(G2o, ResourceFilesAreFoundFromWhereTheTextLies) {
+  Engine engine;
+  engine.registry().registerPlugin("file", "here", "1", "BSD-3-Clause",
+                                   [](const graft_registrar* registrar, graft_message*) {
+                                     registrar->add_resource_type(registrar->host, &kFileResource);
+                                     return int(GRAFT_OK);
+                                   });
+  const std::string root = makeTemporaryDirectory();
+  writeTestFile(root, "a/data.txt", "content");
+  const std::string path =
+      writeTestFile(root, "a/g.g2o", "TEST_FILE 3 data.txt\nVERTEX_XY 0 1 2\n");
+  Diagnostics diagnostics;
+  const LoadedGraph loaded = loadGraph(path, engine.registry(), {}, diagnostics);
+  EXPECT_EQ(*static_cast<const std::string*>(loaded.graph.resources().front().data.get()),
+            "content");
+  const auto written = [&](const std::string& folder) {
+    return formatG2o(loaded.graph, loaded.values, {root + "/a", folder});
+  };
+  EXPECT_EQ(written(root + "/a"), "TEST_FILE 3 data.txt\nVERTEX_XY 0 1 2\n");
+  EXPECT_EQ(written(root + "/b"), "TEST_FILE 3 ../a/data.txt\nVERTEX_XY 0 1 2\n");
+}
+
 TEST(G2o, QuaternionsAreNormalised) {
   Engine engine;
   Diagnostics diagnostics;

@@ -57,6 +57,8 @@ class OneEdge {
     for (const auto& v : vertices) pointers.push_back(v.data());
     const double* measured = measurement.data();
     const double* associated = association.data();
+    const void* const none[2] = {};
+    const void* const* resources = none;
     graft_edge_batch batch = {};
     batch.struct_size = sizeof batch;
     batch.arity = type_.arity;
@@ -67,6 +69,7 @@ class OneEdge {
     batch.vertices = pointers.data();
     batch.measurements = &measured;
     batch.associations = &associated;
+    batch.resources = &resources;
     graft_message message = {};
     ASSERT_EQ(type_.evaluate(&batch, errors, jacobians, &message), GRAFT_OK) << message.text;
   }

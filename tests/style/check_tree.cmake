@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+cmake_minimum_required(VERSION 3.22)
+# Rules of the whole tree: file length, licence line, a README per room.
+# Usage: cmake -DSOURCE=dir -P check_tree.cmake
+set(failures 0)
+macro(failure text)
+  math(EXPR failures "${failures} + 1")
+  message(STATUS "${text}")
+endmacro()
+
+file(GLOB_RECURSE files RELATIVE "${SOURCE}"
+  "${SOURCE}/core/*" "${SOURCE}/plugins/*" "${SOURCE}/types_lfd/*" "${SOURCE}/apps/*"
+  "${SOURCE}/tests/*" "${SOURCE}/cmake/*")
+foreach(file IN LISTS files)
+  if(NOT file MATCHES "\\.(hpp|cpp|h|cmake|sh)$|CMakeLists\\.txt$")
+    continue()
+  endif()
+  file(STRINGS "${SOURCE}/${file}" lines)
+  list(LENGTH lines count)
+  if(count GREATER 600)
+    failure("${file} has more than 600 lines")
+  endif()
+  file(STRINGS "${SOURCE}/${file}" licence REGEX "SPDX-License-Identifier" LIMIT_COUNT 1)
+  if(NOT licence)
+    failure("${file} has no SPDX-License-Identifier")
+  endif()
+endforeach()
+
+set(rooms core plugins types_lfd apps tests)
+foreach(parent core types_lfd)
+  file(GLOB children RELATIVE "${SOURCE}" "${SOURCE}/${parent}/*")
+  foreach(child IN LISTS children)
+    if(IS_DIRECTORY "${SOURCE}/${child}")
+      list(APPEND rooms "${child}")
+    endif()
+  endforeach()
+endforeach()
+foreach(room IN LISTS rooms)
+  if(NOT EXISTS "${SOURCE}/${room}/README.md")
+    failure("${room} has no README.md")
+  endif()
+endforeach()
+
+if(failures GREATER 0)
+  message(FATAL_ERROR "${failures} rules broken")
+endif()

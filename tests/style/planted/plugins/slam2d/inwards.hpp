@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planted: plugins do not include the engine.
+#include "core/graph/graph.hpp"

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "types_lfd/build/graph_builder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "tests/support/test_data.hpp"
+#include "types_lfd/build/grasp_modes.hpp"
+#include "types_lfd/teach/teacher.hpp"
+
+namespace graft::lfd {
+namespace {
+
+using testing::makeTemporaryDirectory;
+
+/// What the graph's size follows from, counted from the files by a reader of its
+/// own: stamps inside the span that all tracks of a demonstration cover.
+struct Expected {
+  std::size_t demonstrations = 0;
+  std::size_t tuples = 0;
+  std::size_t measured = 0;
+};
+
+std::vector<double> stampsOf(const std::string& path) {
+  std::ifstream file(path);
+  std::vector<double> stamps;
+  std::string line;
+  while (std::getline(file, line)) {
+    if (!line.empty() && line[0] != '#') stamps.push_back(std::stod(line));
+  }
+  return stamps;
+}
+
+void countDemonstration(const std::string& folder, Expected& expected) {
+  std::vector<std::vector<double>> tracks;
+  double first = -1e300;
+  double last = 1e300;
+  for (const char* name : {"/hand.tum", "/object.tum", "/torso.tum"}) {
+    const std::vector<double> stamps = stampsOf(folder + name);
+    if (stamps.empty()) continue;
+    first = std::max(first, stamps.front());
+    last = std::min(last, stamps.back());
+    tracks.push_back(stamps);
+  }
+  std::set<double> all;
+  for (const std::vector<double>& stamps : tracks) {
+    for (const double stamp : stamps) {
+      if (stamp < first || stamp > last) continue;
+      all.insert(stamp);
+      ++expected.measured;
+    }
+  }
+  ++expected.demonstrations;
+  expected.tuples += all.size();
+}
+
+/// Numbers of vertices and edges by type against the formulas of the paper's
+/// section IV: N tuples, D demonstrations, M manipulation tuples.
+void expectCounts(const PreparedTask& prepared, const Expected& expected) {
+  const std::size_t n = expected.tuples;
+  const std::size_t d = expected.demonstrations;
+  std::size_t m = 0;
+  for (const PreparedDemonstration& demo : prepared.demonstrations) {
+    m += demo.segments.release - demo.segments.grasp + 1;
+  }
+  auto counts = buildGraph(prepared, {"grasps.csv", "reach.map", ""}).countsByTag();
+  EXPECT_EQ(counts["VERTEX_SE3:QUAT"], 4 * n + 2 + d);  // h, o, t, g; V_HG, V_RG; V_gh
+  EXPECT_EQ(counts["LFD_BASE"], n);
+  EXPECT_EQ(counts["LFD_OBSERVATION"], expected.measured);    // E1
+  EXPECT_EQ(counts["LFD_RELATIVE_MOTION"], 3 * (n - d));      // E2
+  EXPECT_EQ(counts["LFD_GRIPPER_SMOOTH"], n - d);             // E3
+  EXPECT_EQ(counts["LFD_BASE_SMOOTH"], n - d);                // E3
+  EXPECT_EQ(counts["LFD_HUMAN_GRASP"], m);                    // E4
+  EXPECT_EQ(counts["LFD_ROBOT_GRASP"], m);                    // E5
+  EXPECT_EQ(counts["LFD_GRASP_QUALITY"], 1u);                 // E6
+  EXPECT_EQ(counts["LFD_HAND_GRIPPER"], n);                   // E7
+  EXPECT_EQ(counts["LFD_RESEMBLANCE"], d);                    // E8
+  EXPECT_EQ(counts["LFD_REACHABILITY"], n);                   // E9
+  EXPECT_EQ(counts["LFD_GRASP_AGREEMENT"], d * (d - 1) / 2);  // E10
+  EXPECT_EQ(counts["LFD_BASE_PRIOR"], n);
+  EXPECT_EQ(counts["LFD_STEADY_MOTION"], 2 * (n - 2 * d));  // hand and object
+  EXPECT_EQ(counts.size(), 15u);
+}
+
+TEST(BuildGraph, HasTheRoomDoorsVerticesAndEdges) {
+  GRAFT_REQUIRE_DATA("tasks/room_door/task.xml");
+  Diagnostics diagnostics;
+  const PreparedTask prepared =
+      prepareTask(testing::dataPath("tasks/room_door/task.xml"), diagnostics);
+  Expected expected;
+  for (const DemonstrationSpec& spec : prepared.task.demonstrations) {
+    countDemonstration(testing::dataPath("tasks/room_door/" + spec.name), expected);
+  }
+  ASSERT_EQ(expected.demonstrations, 10u);
+  expectCounts(prepared, expected);
+}
+
+TEST(BuildGraph, HasATaughtTasksVerticesAndEdges) {
+  const std::string folder = makeTemporaryDirectory() + "/swivel";
+  teach("swivel_door", folder, 5);
+  Diagnostics diagnostics;
+  const PreparedTask prepared = prepareTask(folder + "/task.xml", diagnostics);
+  ASSERT_EQ(diagnostics.text().find("dropped"), std::string::npos)
+      << "the formulas below count every pose of the files";
+  Expected expected;
+  for (const DemonstrationSpec& spec : prepared.task.demonstrations) {
+    countDemonstration(folder + "/" + spec.name, expected);
+  }
+  expectCounts(prepared, expected);
+}
+
+TEST(MeanPose, IsTheMidpointOfTwo) {
+  const Pose a(Vec<double, 3>(1, 0, 0), expSO3<double>(Vec<double, 3>(0, 0, 0.2)));
+  const Pose b(Vec<double, 3>(3, 2, 0), expSO3<double>(Vec<double, 3>(0, 0, 1.0)));
+  const Pose mean = meanPose({a, b});
+  EXPECT_LT((mean.translation - Vec<double, 3>(2, 1, 0)).norm(), 1e-15);
+  EXPECT_NEAR(logSO3(mean.rotation)[2], 0.6, 1e-12);
+}
+
+TEST(UprightBase, KeepsThePlaceAndTheHeadingOnly) {
+  const Pose torso(Vec<double, 3>(1, 2, 1.1), expSO3<double>(Vec<double, 3>(0, 0, 0.7)) *
+                                                  expSO3<double>(Vec<double, 3>(0, 0.3, 0)) *
+                                                  expSO3<double>(Vec<double, 3>(0.2, 0, 0)));
+  const Pose2 base = uprightBase(torso);
+  EXPECT_DOUBLE_EQ(base.x, 1);
+  EXPECT_DOUBLE_EQ(base.y, 2);
+  EXPECT_NEAR(base.theta, 0.7, 1e-15);
+  EXPECT_NEAR(floorPose(base).translation[2], 0, 0);
+}
+
+TEST(WeightsFor, TakesNamesAndThePapersNumbers) {
+  Task task;
+  task.weights.push_back({"E6", 0.5, 0.25, {"t", 3, 0}});
+  task.weights.push_back({"resemblance", 0.1, 0.2, {"t", 4, 0}});
+  Diagnostics diagnostics;
+  const Weights weights = weightsFor(task, diagnostics);
+  EXPECT_EQ(weights.grasp_quality.t, 0.5);
+  EXPECT_EQ(weights.resemblance.r, 0.2);
+  EXPECT_EQ(diagnostics.errorCount(), 0u);
+  task.weights.push_back({"E66", 0.5, 0.25, {"t.xml", 5, 0}});
+  weightsFor(task, diagnostics);
+  ASSERT_EQ(diagnostics.errorCount(), 1u);
+  EXPECT_NE(diagnostics.text().find("t.xml:5: error: unknown edge 'E66'"), std::string::npos);
+}
+
+TEST(GraspSpread, FindsTheHandsThatHoldElsewhere) {
+  std::vector<PreparedDemonstration> demos(2);
+  for (int d = 0; d < 2; ++d) {
+    MatchedDemonstration& m = demos[d].matched;
+    m.times = {0, 1, 2};
+    m.object.poses.assign(3, Pose());
+    m.hand.poses.assign(3, Pose(Vec<double, 3>(0.3 * d, 0, 0), Eigen::Quaterniond::Identity()));
+    demos[d].segments = {0, 2};
+  }
+  const GraspSpread spread = graspSpread(demos);
+  EXPECT_NEAR(spread.distance, 0.3, 1e-14);
+  EXPECT_NEAR(spread.angle, 0, 1e-14);
+}
+
+TEST(FindGraspModes, GroupsByCompleteLinkage) {
+  // A chain of holds 8 cm apart: neighbours agree, the ends do not, so one mode
+  // may not swallow all three.
+  GraspSpread spread;
+  for (const double x : {0.0, 0.08, 0.16, 1.0}) {
+    spread.object_T_hand.emplace_back(Vec<double, 3>(x, 0, 0), Eigen::Quaterniond::Identity());
+  }
+  // The same place held with the hand turned by a right angle is another way.
+  spread.object_T_hand.emplace_back(Vec<double, 3>(1.0, 0, 0),
+                                    expSO3<double>(Vec<double, 3>(1.57, 0, 0)));
+  const std::vector<GraspMode> modes = findGraspModes(spread);
+  ASSERT_EQ(modes.size(), 4u);
+  EXPECT_EQ(modes[0].demonstrations.size(), 2u);
+  EXPECT_NEAR(modes[0].distance, 0.08, 1e-14);
+  for (const GraspMode& mode : modes) {
+    for (const std::size_t a : mode.demonstrations) {
+      for (const std::size_t b : mode.demonstrations) EXPECT_TRUE(sameGrasp(spread, a, b));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace graft::lfd
