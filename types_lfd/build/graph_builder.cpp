@@ -132,12 +132,25 @@ class Builder {
       const double dt_1 = times[i - 1] - times[i - 2];
       const double dt_2 = times[i] - times[i - 1];
       const double root = std::sqrt(0.5 * (dt_1 + dt_2));
+      const Sigma& steady = steadiness(entity, demo(d).phase(i - 1));
       addEdge("LFD_STEADY_MOTION",
               {layout_.vertex(d, i - 2, entity), layout_.vertex(d, i - 1, entity),
                layout_.vertex(d, i, entity)},
-              poseInformation({w_.steady_motion.t * root, w_.steady_motion.r * root}),
-              {dt_1, dt_2});
+              poseInformation({steady.t * root, steady.r * root}), {dt_1, dt_2});
     }
+  }
+
+  const Sigma& steadiness(Entity entity, MotionPhase phase) const {
+    const bool hand = entity == Entity::kHand;
+    switch (phase) {
+      case MotionPhase::kFree:
+        return hand ? w_.steady_hand_free : w_.steady_object_free;
+      case MotionPhase::kContact:
+        return hand ? w_.steady_hand_contact : w_.steady_object_contact;
+      case MotionPhase::kHeld:
+        break;
+    }
+    return hand ? w_.steady_hand_held : w_.steady_object_held;
   }
 
   /// E4 on the manipulation.

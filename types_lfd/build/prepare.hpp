@@ -6,6 +6,7 @@
 
 #include "types_lfd/build/weights.hpp"
 #include "types_lfd/demo/match.hpp"
+#include "types_lfd/demo/motion_noise.hpp"
 #include "types_lfd/demo/segment.hpp"
 #include "types_lfd/demo/task.hpp"
 
@@ -26,6 +27,9 @@ struct PreparedDemonstration {
 
   std::size_t size() const { return matched.size(); }
   bool manipulating(std::size_t i) const { return i >= segments.grasp && i <= segments.release; }
+  MotionPhase phase(std::size_t i) const {
+    return motionPhase(matched.times, segments.grasp, segments.release, i);
+  }
   /// object_T_hand of tuple i as matched.
   Pose objectToHand(std::size_t i) const {
     return matched.object.poses[i].inverse() * matched.hand.poses[i];
