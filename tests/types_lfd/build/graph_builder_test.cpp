@@ -58,6 +58,18 @@ void countDemonstration(const std::string& folder, Expected& expected) {
   expected.tuples += all.size();
 }
 
+/// Sum of the counts in notes "hand: 2 of 118 poses dropped (...)".
+std::size_t droppedPoses(const std::string& notes) {
+  std::istringstream words(notes);
+  std::vector<std::string> all;
+  for (std::string word; words >> word;) all.push_back(word);
+  std::size_t dropped = 0;
+  for (std::size_t i = 4; i < all.size(); ++i) {
+    if (all[i] == "dropped" && all[i - 1] == "poses") dropped += std::stoul(all[i - 4]);
+  }
+  return dropped;
+}
+
 /// Numbers of vertices and edges by type against the formulas of the paper's
 /// section IV: N tuples, D demonstrations, M manipulation tuples.
 void expectCounts(const PreparedTask& prepared, const Expected& expected) {
@@ -96,6 +108,8 @@ TEST(BuildGraph, HasTheRoomDoorsVerticesAndEdges) {
     countDemonstration(testing::dataPath("tasks/room_door/" + spec.name), expected);
   }
   ASSERT_EQ(expected.demonstrations, 10u);
+  // Cleaning may drop one, and says so.
+  expected.measured -= droppedPoses(diagnostics.text());
   expectCounts(prepared, expected);
 }
 
