@@ -22,17 +22,18 @@ def floor_motion(x, y, yaw):
     return ((x, y, 0.0), poses.about_axis((0, 0, 1), yaw))
 
 
-def write_variant(source, folder, change_track=None, change_xml=None, motion=None):
+def write_variant(source, folder, change_track=None, change_xml=None, motion=None,
+                  urdf=None):
     """Writes a self-contained copy of the task folder of `source` (a task.xml).
 
     change_track(demo, entity, stamps, poses) -> stamps, poses; change_xml(root);
-    motion: new_T_old of the fixed frame, upright on the floor. Returns the path of
-    the new task.xml."""
+    motion: new_T_old of the fixed frame, upright on the floor; urdf: of another robot,
+    which becomes robot.urdf. Returns the path of the new task.xml."""
     task = files.Task(source)
     os.makedirs(folder)
     tree = ElementTree.parse(source)
     root = tree.getroot()
-    shutil.copy(task.urdf, os.path.join(folder, "robot.urdf"))
+    shutil.copy(urdf or task.urdf, os.path.join(folder, "robot.urdf"))
     root.find("robot").set("urdf", "robot.urdf")
     shutil.copy(task.grasps, os.path.join(folder, "grasps.csv"))
     root.find("grasps").set("file", "grasps.csv")
@@ -110,7 +111,7 @@ def with_robot(urdf, base_link, tip_link, footprint, tool=None):
     def change(root):
         robot = root.find("robot")
         robot.attrib.clear()
-        robot.set("urdf", os.path.abspath(urdf))
+        robot.set("urdf", urdf)
         robot.set("base_link", base_link)
         robot.set("tip_link", tip_link)
         robot.set("footprint", footprint)
