@@ -60,6 +60,11 @@ class SharedTasks(RobustnessTest):
                 self.expect_bounds(name, self.task(name),
                                    change_track=variants.losing(0.5, seed=1))
 
+    def test_hands_that_stop_at_once_where_samples_are_lost(self):
+        # Failed while the hand's momentum reached across the grasp.
+        self.expect_bounds("swivel_door", self.task("swivel_door"),
+                           change_track=variants.losing(0.4, seed=2))
+
     def test_one_demonstration(self):
         for name in sweep.TASKS:
             with self.subTest(name):

@@ -27,7 +27,9 @@ struct Weights {
   /// E2 between interpolated poses is trusted this much less again.
   double interpolated_factor = 2;
   /// Change of velocity in one second (white-noise acceleration): people move
-  /// furniture, and reach for it, smoothly at the rate of a tracker.
+  /// furniture, and reach for it, smoothly at the rate of a tracker. Not across
+  /// the instants of grasp and release, where a hand stops or starts at once: held
+  /// there, too, its momentum pushes the learned grasp off by up to a centimetre.
   Sigma steady_motion{0.05, 0.2};
   /// E3: a step may be as long as the demonstrated one, times this (paper:
   /// "scaled by the distance between the poses"), and at least the floor below.
