@@ -129,6 +129,10 @@ class Builder {
               poseInformation({factor * accuracy.sigma_t, factor * accuracy.sigma_r}),
               numbers(track.poses[i - 1].inverse() * track.poses[i]));
       if (!steady || i < 2) continue;
+      // A hand stops at the object, and leaves it, at once.
+      const Segmentation& segments = demo(d).segments;
+      const bool contact = i - 1 == segments.grasp || i - 1 == segments.release;
+      if (entity == Entity::kHand && contact) continue;
       const double dt_1 = times[i - 1] - times[i - 2];
       const double dt_2 = times[i] - times[i - 1];
       const double root = std::sqrt(0.5 * (dt_1 + dt_2));

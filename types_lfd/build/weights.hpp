@@ -30,7 +30,9 @@ struct Weights {
   /// furniture, and reach for it, smoothly at the rate of a tracker. How
   /// smoothly is found from the tracks, around this and separately for what
   /// moves free, makes or loses contact, and is held; given in the task, it holds
-  /// for all of these.
+  /// for all of these. Not across the instants of grasp and release, where a hand
+  /// stops or starts at once: held there, too, its momentum pushes the learned
+  /// grasp off by up to a centimetre.
   Sigma steady_motion{0.05, 0.2};
   Sigma steady_hand_free = steady_motion;
   Sigma steady_hand_contact = steady_motion;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "types_lfd/learn/learn.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -155,14 +156,20 @@ void refine(LearnResult& result, const LearnOptions& options, Diagnostics& diagn
 
 void runOptimizer(LoadedGraph& loaded, Registry& registry, const LearnOptions& options,
                   const Extractor& extractor, const Phases& phases, LearnResult& result) {
+  const auto wants = [&](int iteration) {
+    return std::count(options.snapshots.begin(), options.snapshots.end(), iteration) > 0;
+  };
+  // Before the solver looks for a better start: 0 is what was demonstrated.
+  if (wants(0)) result.snapshots[0] = extractor.demonstrations(loaded.values);
   SolveOptions solve;
   solve.iterations = options.iterations;
   solve.threads = options.threads;
   solve.interrupt = options.interrupt;
   solve.callback = [&](const IterationRecord& record, const Values& values) {
     phases.report(double(record.iteration) / std::max(1, options.iterations));
-    for (const int wanted : options.snapshots) {
-      if (wanted == record.iteration) result.snapshots[wanted] = extractor.demonstrations(values);
+    const int iteration = record.iteration;
+    if (iteration > 0 && wants(iteration)) {
+      result.snapshots[iteration] = extractor.demonstrations(values);
     }
     return true;
   };
