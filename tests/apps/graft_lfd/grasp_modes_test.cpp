@@ -4,12 +4,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/io/trajectory.hpp"
-#include "tests/apps/graft_lfd/program.hpp"
+#include "tests/apps/graft_lfd/taught_task.hpp"
 
 namespace graft::lfd {
 namespace {
@@ -19,6 +17,8 @@ using nlohmann::json;
 using testing::CommandResult;
 using testing::graftLfd;
 using testing::graftProgram;
+using testing::resultTrack;
+using testing::TaughtTask;
 
 json readJson(const std::string& path) { return json::parse(testing::readTestFile(path)); }
 
@@ -34,57 +34,15 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-/// A taught task, changed as a test wants it.
-class TaughtTask {
- public:
-  TaughtTask() : folder_(testing::makeTemporaryDirectory()) {
-    const CommandResult taught = graftLfd("teach drawer --seed 5 -o " + folder_);
-    EXPECT_EQ(taught.exit_code, 0) << taught.err;
-  }
-  std::string task() const { return folder_ + "/task.xml"; }
-
-  /// The hand of a demonstration is seen as `offset` further on: it holds the
-  /// object elsewhere.
-  void moveHand(const std::string& demo, const std::string& offset) {
-    edit([&](std::string& xml) {
-      const std::string name = "name=\"" + demo + "\"";
-      xml.replace(xml.find(name), name.size(), name + " hand_offset=\"" + offset + "\"");
-    });
-  }
-  void remove(const std::string& demo) {
-    edit([&](std::string& xml) {
-      const std::size_t name = xml.find("name=\"" + demo + "\"");
-      const std::size_t begin = xml.rfind("<demonstration", name);
-      xml.erase(begin, xml.find("/>", name) + 2 - begin);
-    });
-  }
-  /// The hand's frame turned by half a turn about its x axis in every pose.
-  void turnHand(const std::string& demo) {
-    const std::string path = folder_ + "/" + demo + "/hand.tum";
-    Diagnostics diagnostics;
-    Trajectory hand = readTum(path, diagnostics);
-    for (Pose& pose : hand.poses) pose.rotation = pose.rotation * Eigen::Quaterniond(0, 1, 0, 0);
-    std::ofstream(path, std::ios::binary) << formatTum(hand);
-  }
-
- private:
-  template <class Change>
-  void edit(const Change& change) {
-    std::string xml = testing::readTestFile(task());
-    change(xml);
-    std::ofstream(task(), std::ios::binary) << xml;
-  }
-  std::string folder_;
-};
-
-Trajectory track(const std::string& path) {
-  Diagnostics diagnostics;
-  return readTum(path, diagnostics);
+/// The hand of a demonstration is seen 30 cm further on: it holds the object
+/// elsewhere.
+void moveHand(TaughtTask& task, const std::string& demo) {
+  task.attribute(demo, "hand_offset", "0 0 0.3 0 0 0 1");
 }
 
 TEST(GraspModes, LearnsTheUsualWayAsIfTheOthersWereNotThere) {
   TaughtTask mixed;
-  mixed.moveHand("demo_02", "0 0 0.3 0 0 0 1");
+  moveHand(mixed, "demo_02");
   TaughtTask without;
   without.remove("demo_02");
   const std::string out = testing::makeTemporaryDirectory();
@@ -132,8 +90,11 @@ TEST(GraspModes, LearnsTheUsualWayAsIfTheOthersWereNotThere) {
 
 TEST(GraspModes, AHandTurnedByHalfATurnIsTheSameGrasp) {
   const TaughtTask plain;
-  TaughtTask turned;
-  turned.turnHand("demo_03");
+  const TaughtTask turned;
+  turned.forEachPose(
+      "hand",
+      [](double&, Pose& pose) { pose.rotation = pose.rotation * Eigen::Quaterniond(0, 1, 0, 0); },
+      "demo_03");
   const std::string out = testing::makeTemporaryDirectory();
   ASSERT_EQ(graftLfd("learn " + plain.task() + " -o " + out + "/plain").exit_code, 0);
   const CommandResult run = graftLfd("learn " + turned.task() + " -o " + out + "/turned");
@@ -145,10 +106,10 @@ TEST(GraspModes, AHandTurnedByHalfATurnIsTheSameGrasp) {
   for (const char* demo : {"demo_01", "demo_03"}) {
     const std::string a = out + "/plain/optimized/" + demo;
     const std::string b = out + "/turned/optimized/" + demo;
-    const Trajectory hand_a = track(a + "/hand.tum");
-    const Trajectory hand_b = track(b + "/hand.tum");
-    const Trajectory gripper_a = track(a + "/gripper.tum");
-    const Trajectory gripper_b = track(b + "/gripper.tum");
+    const Trajectory hand_a = resultTrack(a + "/hand.tum");
+    const Trajectory hand_b = resultTrack(b + "/hand.tum");
+    const Trajectory gripper_a = resultTrack(a + "/gripper.tum");
+    const Trajectory gripper_b = resultTrack(b + "/gripper.tum");
     ASSERT_EQ(hand_a.times, hand_b.times);
     const Pose turn = std::string(demo) == "demo_03" ? half : Pose();
     for (std::size_t i = 0; i < hand_a.size(); ++i) {
@@ -182,7 +143,7 @@ TEST(GraspModes, AHandTurnedByHalfATurnIsTheSameGrasp) {
 TEST(GraspModes, EndsWithFourWhereNoTwoAgree) {
   TaughtTask task;
   for (const char* demo : {"demo_02", "demo_03", "demo_05", "demo_06"}) task.remove(demo);
-  task.moveHand("demo_04", "0 0 0.3 0 0 0 1");
+  moveHand(task, "demo_04");
   const std::string out = testing::makeTemporaryDirectory();
   testing::writeTestFile(out, "graph.g2o", "old");
   for (const char* mode : {"", " --grasp-mode 0", " --grasp-mode all"}) {
