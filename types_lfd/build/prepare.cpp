@@ -114,24 +114,4 @@ Pose meanPose(const std::vector<Pose>& poses) {
   return mean;
 }
 
-GraspSpread graspSpread(const std::vector<PreparedDemonstration>& demonstrations) {
-  GraspSpread spread;
-  for (const PreparedDemonstration& demo : demonstrations) {
-    std::vector<Pose> poses;
-    for (std::size_t i = demo.segments.grasp; i <= demo.segments.release; ++i) {
-      poses.push_back(demo.objectToHand(i));
-    }
-    spread.object_T_hand.push_back(meanPose(poses));
-  }
-  for (std::size_t i = 0; i < demonstrations.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const Vec<double, 6> e =
-          poseError(spread.object_T_hand[i].inverse() * spread.object_T_hand[j]);
-      spread.distance = std::max(spread.distance, e.head<3>().norm());
-      spread.angle = std::max(spread.angle, e.tail<3>().norm());
-    }
-  }
-  return spread;
-}
-
 }  // namespace graft::lfd
