@@ -13,6 +13,7 @@ using Clock = std::chrono::steady_clock;
 // options and what runs.
 void addOptimize(Program& program, Clock::time_point start);
 void addCheck(Program& program);
+void addCheckPlugin(Program& program);
 void addConvert(Program& program);
 void addPlugins(Program& program);
 void addSimulate(Program& program);
