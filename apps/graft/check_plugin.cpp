@@ -16,12 +16,33 @@ struct CheckPluginOptions {
   EngineOptions engine;
   ConformanceOptions conformance;
   bool verbose = false;
+  bool complete = false;
 };
 
 const char* word(Verdict verdict) {
   return verdict == Verdict::kPassed   ? "passed"
          : verdict == Verdict::kFailed ? "FAILED"
                                        : "skipped";
+}
+
+/// Checks in a row that have the same to say share a line.
+void printOutcomes(const std::vector<CheckOutcome>& outcomes, const Provided& type, bool verbose) {
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const CheckOutcome& one = outcomes[i];
+    if (!(one.type == type) || (!verbose && one.verdict == Verdict::kPassed)) continue;
+    std::size_t last = i;
+    while (!one.text.empty() && last + 1 < outcomes.size() &&
+           outcomes[last + 1].verdict == one.verdict && outcomes[last + 1].text == one.text) {
+      ++last;
+    }
+    std::string checks = one.check;
+    if (last > i) {
+      checks += " to " + outcomes[last].check + " (" + std::to_string(last + 1 - i) + " checks)";
+    }
+    std::printf("    %s %s%s%s\n", word(one.verdict), checks.c_str(), one.text.empty() ? "" : ": ",
+                one.text.c_str());
+    i = last;
+  }
 }
 
 void print(const ConformanceReport& report, bool verbose) {
@@ -41,11 +62,7 @@ void print(const ConformanceReport& report, bool verbose) {
     std::printf("  %-8s %-24s %3zu passed, %zu failed, %zu skipped\n", metadataWord(type.kind),
                 type.name.c_str(), counts[std::size_t(Verdict::kPassed)],
                 counts[std::size_t(Verdict::kFailed)], counts[std::size_t(Verdict::kSkipped)]);
-    for (const CheckOutcome& one : outcomes) {
-      if (!(one.type == type) || (!verbose && one.verdict == Verdict::kPassed)) continue;
-      std::printf("    %s %s%s%s\n", word(one.verdict), one.check.c_str(),
-                  one.text.empty() ? "" : ": ", one.text.c_str());
-    }
+    printOutcomes(outcomes, type, verbose);
   }
   std::printf("%zu checks passed, %zu failed, %zu skipped\n", report.count(Verdict::kPassed),
               report.count(Verdict::kFailed), report.count(Verdict::kSkipped));
@@ -66,7 +83,14 @@ ExitCode run(const CheckPluginOptions& options) {
     const std::string text = one.type.name + ": " + one.check + ": " + one.text;
     std::fprintf(stderr, "%s\n", formatMessage({report.file.path, 0, 0}, "error", text).c_str());
   }
-  return report.count(Verdict::kFailed) == 0 ? ExitCode::kSuccess : ExitCode::kPlugin;
+  const std::size_t skipped = options.complete ? report.count(Verdict::kSkipped) : 0;
+  if (skipped > 0) {
+    std::fprintf(stderr, "%s\n",
+                 formatMessage({report.file.path, 0, 0}, "error",
+                               std::to_string(skipped) + " checks could not be made")
+                     .c_str());
+  }
+  return report.count(Verdict::kFailed) + skipped == 0 ? ExitCode::kSuccess : ExitCode::kPlugin;
 }
 
 }  // namespace
@@ -84,6 +108,8 @@ void addCheckPlugin(Program& program) {
   ConformanceOptions& conformance = options->conformance;
   command->add_option("--graph", conformance.example,
                       "A graph whose resources, measurements and estimates are inputs, too");
+  command->add_option("--only", conformance.only, "Check only the type with this tag or name")
+      ->type_name("TAG");
   command->add_option("--samples", conformance.samples, "Random inputs per type")
       ->check(CLI::Range(2, 10000))
       ->capture_default_str();
@@ -92,6 +118,8 @@ void addCheckPlugin(Program& program) {
   command->add_option("--time-limit", conformance.check_seconds, "Seconds that a check may take")
       ->check(CLI::Range(0.1, 1e6))
       ->capture_default_str();
+  command->add_flag("--complete", options->complete,
+                    "A check that cannot be made counts as failed");
   command->add_flag("--verbose", options->verbose, "List the checks that passed, too");
   options->engine.addPluginOption(*command);
 }

@@ -44,6 +44,15 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
+/// What `write` writes into a guarded buffer of `size` numbers, so that a callback
+/// that writes beside it harms nothing here.
+template <class Write>
+std::vector<double> guardedNumbers(std::size_t size, Write&& write) {
+  Buffer buffer(size, Placement::kAligned);
+  write(buffer.data());
+  return buffer.numbers();
+}
+
 /// True where both hold the same bits.
 bool sameBits(const double* a, const double* b, std::size_t count);
 

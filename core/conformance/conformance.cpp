@@ -152,7 +152,15 @@ ConformanceReport checkPlugin(const std::string& file_or_name, const PluginOptio
   if (!probe.failure.empty()) throw Error(ExitCode::kPlugin, {path, 0, 0}, probe.failure);
   report.notes = probe.notes;
   compareMetadata(report.file, probe.provides, report);
-  for (const Provided& type : probe.provides) checkType(path, plugins, options, type, report);
+  bool found = false;
+  for (const Provided& type : probe.provides) {
+    if (!options.only.empty() && type.name != options.only) continue;
+    found = true;
+    checkType(path, plugins, options, type, report);
+  }
+  if (!found && !options.only.empty()) {
+    throw Error(ExitCode::kUsage, {path, 0, 0}, "it has no type " + quoted(options.only));
+  }
   return report;
 }
 

@@ -14,6 +14,7 @@ struct ConformanceOptions {
   /// A graph file whose resources, measurements and estimates serve as further
   /// inputs; needed for types that random numbers cannot make. May be empty.
   std::string example;
+  std::string only;  ///< tag or name of the one type to check; empty = all
   std::uint64_t seed = 1;
   int samples = 20;  ///< random inputs per type
   /// A check that takes longer, s, has failed.
@@ -43,7 +44,8 @@ struct ConformanceReport {
 /// Checks every type that a plugin registers, with nothing but what it
 /// registers. All code of the plugin runs in child processes, one per type, so
 /// that a crash or an endless loop fails one check and the rest goes on. Throws
-/// Error(kPlugin) with the file where it cannot be loaded at all.
+/// Error(kPlugin) with the file where it cannot be loaded at all, Error(kUsage)
+/// where it has no type `only`.
 ///
 /// What is checked, for every callback: outputs are finite, written whole and
 /// not beyond, inputs are left alone, a batch equals its items bit by bit, no

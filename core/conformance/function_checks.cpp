@@ -135,7 +135,7 @@ void requireThreadSafe(const Function& function) {
   using Clock = std::chrono::steady_clock;
   const Outputs batch = evaluate(function, 0, function.count);
   const std::int64_t half = std::max<std::int64_t>(1, function.count / 2);
-  const Clock::time_point end = Clock::now() + std::chrono::milliseconds(150);
+  const Clock::time_point end = Clock::now() + std::chrono::milliseconds(100);
   std::string found[2];
   const auto work = [&](int id) {
     const std::int64_t first = id == 0 ? 0 : function.count - half;

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/base/text.hpp"
+#include "core/conformance/buffer.hpp"
 #include "core/io/graph_loader.hpp"
 
 namespace graft::conformance {
@@ -51,24 +52,24 @@ double Random::normal() {
 std::vector<double> randomEstimate(const graft_vertex_type& type, Random& random, int index) {
   constexpr double kScales[] = {1, 0.3, 3};
   const double scale = kScales[index % 3];
-  std::vector<double> x(static_cast<std::size_t>(type.ambient_dim));
+  const auto size = static_cast<std::size_t>(type.ambient_dim);
+  const std::vector<double> x = guardedNumbers(size, type.identity);
   std::vector<double> delta(static_cast<std::size_t>(type.tangent_dim));
-  std::vector<double> moved(x.size());
-  type.identity(x.data());
   for (double& d : delta) d = scale * random.normal();
-  type.plus(1, x.data(), delta.data(), moved.data());
-  return moved;
+  return guardedNumbers(size, [&](double* moved) { type.plus(1, x.data(), delta.data(), moved); });
 }
 
 std::vector<double> randomMeasurement(const graft_edge_type& type, int dim, Random& random,
                                       std::string& why) {
   std::vector<double> numbers(static_cast<std::size_t>(dim));
   for (int trial = 0; trial < kTrials; ++trial) {
-    for (double& x : numbers) x = trialNumber(trial, random);
     graft_message message = {};
-    if (type.normalize(dim, numbers.data(), &message) == GRAFT_OK && allFinite(numbers)) {
-      return numbers;
-    }
+    int status = GRAFT_FAILED;
+    numbers = guardedNumbers(numbers.size(), [&](double* trial_numbers) {
+      for (int i = 0; i < dim; ++i) trial_numbers[i] = trialNumber(trial, random);
+      status = type.normalize(dim, trial_numbers, &message);
+    });
+    if (status == GRAFT_OK && allFinite(numbers)) return numbers;
     why = message.text;
   }
   return {};
