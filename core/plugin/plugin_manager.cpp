@@ -64,6 +64,11 @@ PluginManager::PluginManager(Registry& registry, const PluginOptions& options)
   for (const std::string& folder : folders_) scan(folder, true);
   if (options.use_environment) {
     for (const std::string& folder : environmentPluginFolders()) {
+      const std::string refusal = folderRefusal(folder);
+      if (!refusal.empty()) {
+        diagnostics_.warning({folder, 0, 0}, refusal);
+        continue;
+      }
       folders_.push_back(folder);
       scan(folder, false);
     }
