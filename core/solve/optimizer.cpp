@@ -173,6 +173,10 @@ class Solve {
       if (!entry.accepted) continue;
       moved = true;
       linearized = false;
+      if (linearizer_.hasAssociations() &&
+          entry.chi2_change <= options_.association_tolerance * before) {
+        return finish(Status::kConverged, "chi2 changes by less than association_tolerance");
+      }
       const bool small = entry.chi2_change <= options_.function_tolerance * before;
       small_changes = small ? small_changes + 1 : 0;
       if ((small && result.full) || small_changes >= kSmallChanges) {
