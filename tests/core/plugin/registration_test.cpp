@@ -35,6 +35,8 @@ struct Offer {
         [](std::int32_t, double*, graft_message*) -> int { return GRAFT_OK; },
         [](const graft_edge_batch*, double*, double*, graft_message*) -> int { return GRAFT_OK; },
         nullptr,
+        nullptr,
+        0,
         nullptr};
     kernel = {sizeof kernel, "KERNEL", "doc", [](std::int64_t, const double*, double, double*) {}};
     resource = {sizeof resource,

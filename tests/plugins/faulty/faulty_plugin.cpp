@@ -55,8 +55,8 @@ void minus(std::int64_t count, const double* a, const double* b, double* delta) 
 }
 
 const graft_vertex_type kPoint = {
-    sizeof kPoint, "FAULTY_POINT", "point in the plane", "x y", 2, 2, &identity, &normalize,
-    &plus,         &minus};
+    sizeof kPoint, "FAULTY_POINT", "point in the plane", "x y", 2, 2, &identity, &normalize, &plus,
+    &minus,        nullptr};
 
 // ---- an edge of two points: e = b - a - m + k |a|^2 -------------------------
 
@@ -157,7 +157,9 @@ const graft_edge_type kEdge = {sizeof kEdge,
                                &normalizeMeasurement,
                                &evaluate,
                                nullptr,
-                               &propagate};
+                               &propagate,
+                               0,
+                               nullptr};
 
 // ---- an edge that looks something up ----------------------------------------
 
@@ -203,6 +205,8 @@ const graft_edge_type kNearest = {sizeof kNearest,
                                   &normalizeNothing,
                                   &evaluateNearest,
                                   &associateNearest,
+                                  nullptr,
+                                  0,
                                   nullptr};
 
 // ---- an edge over any number of points ---------------------------------------
@@ -247,6 +251,8 @@ const graft_edge_type kSum = {sizeof kSum,
                               &normalizeNothing,
                               &evaluateSum,
                               nullptr,
+                              nullptr,
+                              1,
                               nullptr};
 
 // ---- a kernel, a resource, a loader ------------------------------------------
