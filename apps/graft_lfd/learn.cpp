@@ -9,6 +9,7 @@
 #include "apps/graft_lfd/session.hpp"
 #include "apps/report/report.hpp"
 #include "types_lfd/learn/result_writer.hpp"
+#include "types_lfd/learn/tune.hpp"
 
 namespace graft::lfd {
 
@@ -20,6 +21,7 @@ struct Options {
   int iterations = 20;
   std::string snapshots = "0,1,5,20";
   std::string grasp_mode;
+  bool tune = false;
   int threads = 0;
 };
 
@@ -39,6 +41,31 @@ class PhaseBars {
   std::string phase_;
   std::unique_ptr<ProgressBar> bar_;
 };
+
+/// What other weights would give: tune.json and a picture.
+std::vector<TuneTrial> tune(const Options& options, const LearnOptions& learn_options,
+                            Registry& registry, StagedDirectory& out) {
+  const LearnRun once = [&](const LearnOptions& one) {
+    Diagnostics quiet;
+    return learn(options.task, out.stagingPath(), registry, quiet, one);
+  };
+  std::vector<TuneTrial> trials = tuneWeights(once, learn_options);
+  out.write("tune.json", formatTuning(trials));
+  report::writeTuning(trials, out);
+  return trials;
+}
+
+void printTuning(const std::vector<TuneTrial>& trials) {
+  std::printf(
+      "\nweight of     weight of     gripper to   gripper to   bases in\n"
+      "E6 times      E9 times      grasp, cm    hand, cm     reach, %%\n");
+  for (const TuneTrial& trial : trials) {
+    if (!trial.best) continue;
+    std::printf("%-13.4g %-13.4g %-12.4f %-12.2f %.2f\n", trial.grasp_quality, trial.reachability,
+                100 * trial.table.gripper_grasp_m, 100 * trial.table.gripper_hand_m.value_or(0),
+                100 * trial.table.kinematically_achievable);
+  }
+}
 
 ExitCode run(const Options& options) {
   if (!options.grasp_mode.empty()) {
@@ -66,6 +93,16 @@ ExitCode run(const Options& options) {
   printMessages(diagnostics);
   writeResult(result, out);
   if (result.common_grasp) report::writeReport(result, out, diagnostics.lines());
+  std::vector<TuneTrial> trials;
+  if (result.common_grasp && options.tune) {
+    bars = std::make_shared<PhaseBars>();
+    learn_options.progress = [bars](const std::string& phase, double fraction) {
+      (*bars)(phase, fraction);
+    };
+    trials = tune(options, learn_options, session.registry(), out);
+    learn_options.progress = nullptr;
+    bars.reset();
+  }
   out.commit();
   if (!result.common_grasp) {
     for (const std::string& line : describeDisagreement(result)) {
@@ -84,6 +121,7 @@ ExitCode run(const Options& options) {
   std::printf("grasp: row %d%s; results in %s (%.2f s)\n", result.grasp.row,
               result.grasp.choice.flipped ? ", turned by 180 degrees" : "", options.out.c_str(),
               result.seconds.at("total"));
+  if (options.tune) printTuning(trials);
   return interruptFlag() != 0 ? interruptExitCode() : ExitCode::kSuccess;
 }
 
@@ -102,6 +140,9 @@ void addLearn(Program& program) {
                   "Iterations whose estimates are written to iterations/")
       ->capture_default_str();
   app->add_option("--grasp-mode", options->grasp_mode, "Way of grasping to learn (N or all)");
+  app->add_flag("--tune", options->tune,
+                "Also optimize with other weights of E6 (sure grasp against likeness to the "
+                "person) and E9 (reach); tune.json and pictures/tune.svg show the best trade-offs");
   app->add_option("--threads", options->threads, "Threads, 0 = all processors")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));

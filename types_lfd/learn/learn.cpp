@@ -223,6 +223,7 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   Phases phases(result, options);
   phases.begin("prepare");
   result.task = prepareTask(task_path, diagnostics);
+  if (options.adjust_weights) options.adjust_weights(result.task.weights);
   result.spread = graspSpread(result.task.demonstrations);
   result.modes = findGraspModes(result.spread);
   result.common_grasp = result.modes.size() == 1;
@@ -249,10 +250,14 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   const Extractor extractor(result, loaded.graph);
   runOptimizer(loaded, registry, options, extractor, phases, result);
   result.after = extractor.demonstrations(loaded.values);
+  result.table_optimized = computeTable1(result.after, scene, false);
+  if (options.optimize_only) {
+    phases.end();
+    return result;
+  }
   result.graph_optimized = formatG2o(loaded.graph, loaded.values);
 
   phases.begin("refine");
-  result.table_optimized = computeTable1(result.after, scene, false);
   refine(result, options, diagnostics);
 
   phases.begin("evaluate");
