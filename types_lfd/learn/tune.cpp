@@ -38,24 +38,24 @@ void markBest(std::vector<TuneTrial>& trials) {
   }
 }
 
-std::vector<TuneTrial> tuneWeights(const LearnRun& run, const LearnOptions& options,
-                                   const TuneOptions& grid) {
+std::vector<TuneTrial> tuneWeights(const RecordedTask& recorded, std::size_t mode,
+                                   const std::string& resource_directory, Registry& registry,
+                                   const LearnOptions& options, const TuneOptions& grid) {
+  LearnOptions once = options;
+  once.progress = nullptr;
+  once.snapshots.clear();
+  once.optimize_only = true;
   std::vector<TuneTrial> trials;
   const auto count = double(grid.grasp_quality.size() * grid.reachability.size());
   for (const double grasp_quality : grid.grasp_quality) {
     for (const double reachability : grid.reachability) {
       if (options.interrupt != nullptr && options.interrupt->load() != 0) break;
       if (options.progress) options.progress("tune", double(trials.size()) / count);
-      LearnOptions one = options;
-      one.progress = nullptr;
-      one.snapshots.clear();
-      one.optimize_only = true;
-      one.adjust_weights = [&](Weights& weights) {
-        multiply(weights.grasp_quality, grasp_quality);
-        multiply(weights.reachability, reachability);
-      };
-      const LearnResult result = run(one);
-      if (!result.common_grasp) return {};
+      RecordedTask changed = recorded;
+      multiply(changed.task.weights.grasp_quality, grasp_quality);
+      multiply(changed.task.weights.reachability, reachability);
+      Diagnostics quiet;  // said already when the task's own weights were learned
+      const LearnResult result = learn(changed, mode, resource_directory, registry, quiet, once);
       TuneTrial trial;
       trial.grasp_quality = grasp_quality;
       trial.reachability = reachability;

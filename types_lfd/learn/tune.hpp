@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
+#include <string>
 #include <vector>
 
 #include "types_lfd/learn/learn.hpp"
@@ -32,14 +32,14 @@ struct TuneTrial {
   bool best = false;
 };
 
-/// Runs one optimization with the options given.
-using LearnRun = std::function<LearnResult(const LearnOptions&)>;
-
 /// The trade-off between a sure grasp, a motion like the person's and bases in
 /// reach (Pareto front over the grid). Trials in the order of the lists, E6
 /// outermost; `options` is passed on, with its progress as share of all trials.
 /// Ends early, with the trials so far, where options.interrupt is set.
-std::vector<TuneTrial> tuneWeights(const LearnRun& run, const LearnOptions& options,
+/// The other arguments are as in learn().
+std::vector<TuneTrial> tuneWeights(const RecordedTask& recorded, std::size_t mode,
+                                   const std::string& resource_directory, Registry& registry,
+                                   const LearnOptions& options,
                                    const TuneOptions& grid = TuneOptions());
 
 /// Sets TuneTrial::best.
