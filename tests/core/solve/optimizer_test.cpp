@@ -82,7 +82,7 @@ TEST(Optimize, FindsTheTruthOfNoiseFreePoseGraphs) {
     const Summary summary = optimize(g.graph, g.values, testRegistry(), options);
     EXPECT_EQ(summary.status, Status::kConverged) << summary.reason;
     EXPECT_LT(summary.chi2_final, 1e-18);
-    EXPECT_FALSE(summary.used_spanning_tree);
+    EXPECT_EQ(summary.start, StartKind::kGiven);
     // Zero residuals: the last full steps converge quadratically.
     const auto& iterations = summary.iterations;
     ASSERT_GE(iterations.size(), 4u);
@@ -99,7 +99,7 @@ TEST(Optimize, FindsTheTruthOfNoiseFreePoseGraphs) {
 TEST(Optimize, SpanningTreeSolvesNoiseFreeGraphsAtOnce) {
   TestGraph g = assemble(makePoseGraph(150, 0, 1.5, 4));
   const Summary summary = optimize(g.graph, g.values, testRegistry());
-  EXPECT_TRUE(summary.used_spanning_tree);
+  EXPECT_EQ(summary.start, StartKind::kSpanningTree);
   EXPECT_GT(summary.chi2_initial, 1);
   EXPECT_LT(summary.chi2_start, 1e-18);
   EXPECT_EQ(summary.status, Status::kConverged);
