@@ -11,6 +11,7 @@
 #include "apps/report/report.hpp"
 #include "core/base/text.hpp"
 #include "types_lfd/learn/result_writer.hpp"
+#include "types_lfd/learn/tune.hpp"
 
 namespace graft::lfd {
 
@@ -22,6 +23,7 @@ struct Options {
   int iterations = 20;
   std::string snapshots = "0,1,5,20";
   std::string grasp_mode;
+  bool tune = false;
   int threads = 0;
 };
 
@@ -41,6 +43,18 @@ class PhaseBars {
   std::string phase_;
   std::unique_ptr<ProgressBar> bar_;
 };
+
+void printTuning(const std::vector<TuneTrial>& trials) {
+  std::printf(
+      "\nweight of     weight of     gripper to   gripper to   bases in\n"
+      "E6 times      E9 times      grasp, cm    hand, cm     reach, %%\n");
+  for (const TuneTrial& trial : trials) {
+    if (!trial.best) continue;
+    std::printf("%-13.4g %-13.4g %-12.4f %-12.2f %.2f\n", trial.grasp_quality, trial.reachability,
+                100 * trial.table.gripper_grasp_m, 100 * trial.table.gripper_hand_m.value_or(0),
+                100 * trial.table.kinematically_achievable);
+  }
+}
 
 /// Which of the modes --grasp-mode asks for.
 std::vector<std::size_t> wantedModes(const std::string& text, const RecordedHolds& holds) {
@@ -109,24 +123,36 @@ void describe(const LearnResult& result, const std::string& folder) {
               result.seconds.at("total"));
 }
 
+struct Learned {
+  LearnResult result;
+  std::vector<TuneTrial> trials;  ///< of other weights, if asked for
+  std::string folder;
+};
+
 /// One way of holding the object, with its report, into a staged folder.
 /// `reading` is what was said about the recordings.
-LearnResult learnMode(const RecordedTask& recorded, std::size_t mode, StagedDirectory& out,
-                      Registry& registry, const Diagnostics& reading, LearnOptions options) {
+Learned learnMode(const RecordedTask& recorded, std::size_t mode, StagedDirectory& out,
+                  Registry& registry, const Diagnostics& reading, LearnOptions options, bool tune) {
   auto bars = std::make_shared<PhaseBars>();
   options.progress = [bars](const std::string& phase, double fraction) {
     (*bars)(phase, fraction);
   };
   Diagnostics diagnostics;
-  LearnResult result = learn(recorded, mode, out.stagingPath(), registry, diagnostics, options);
+  Learned learned;
+  learned.result = learn(recorded, mode, out.stagingPath(), registry, diagnostics, options);
+  if (tune) {
+    learned.trials = tuneWeights(recorded, mode, out.stagingPath(), registry, options);
+    out.write("tune.json", formatTuning(learned.trials));
+    report::writeTuning(learned.trials, out);
+  }
   options.progress = nullptr;
   bars.reset();
   printMessages(diagnostics);
-  writeResult(result, out);
+  writeResult(learned.result, out);
   Diagnostics all = reading;
   all.append(diagnostics);
-  report::writeReport(result, out, all.lines());
-  return result;
+  report::writeReport(learned.result, out, all.lines());
+  return learned;
 }
 
 ExitCode run(const Options& options) {
@@ -151,22 +177,26 @@ ExitCode run(const Options& options) {
     warnOfLeftOut(recorded.task, recorded.holds, modes.front(), left_out);
     printMessages(left_out);
   }
-  std::vector<std::pair<LearnResult, std::string>> results;
+  std::vector<Learned> all;
   for (const std::size_t mode : modes) {
     if (options.grasp_mode != "all") {
-      results.emplace_back(
-          learnMode(recorded, mode, out, session.registry(), reading, learn_options), options.out);
+      all.push_back(
+          learnMode(recorded, mode, out, session.registry(), reading, learn_options, options.tune));
+      all.back().folder = options.out;
       continue;
     }
     const std::string name = "mode_" + std::to_string(mode);
     StagedDirectory folder(out.stagingPath() + "/" + name);
-    results.emplace_back(
-        learnMode(recorded, mode, folder, session.registry(), reading, learn_options),
-        options.out + "/" + name);
+    all.push_back(learnMode(recorded, mode, folder, session.registry(), reading, learn_options,
+                            options.tune));
+    all.back().folder = options.out + "/" + name;
     folder.commit();
   }
   out.commit();
-  for (const auto& [result, folder] : results) describe(result, folder);
+  for (const Learned& learned : all) {
+    describe(learned.result, learned.folder);
+    if (options.tune) printTuning(learned.trials);
+  }
   return interruptFlag() != 0 ? interruptExitCode() : ExitCode::kSuccess;
 }
 
@@ -188,6 +218,9 @@ void addLearn(Program& program) {
                   "Way of holding the object to learn, where there are several: its index in "
                   "grasp_modes of metrics.json, from 0; all = each into mode_N/ "
                   "(default: the one that most demonstrations show)");
+  app->add_flag("--tune", options->tune,
+                "Also optimize with other weights of E6 (sure grasp against likeness to the "
+                "person) and E9 (reach); tune.json and pictures/tune.svg show the best trade-offs");
   app->add_option("--threads", options->threads, "Threads, 0 = all processors")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));

@@ -6,6 +6,7 @@
 
 #include "apps/report/svg.hpp"
 #include "types_lfd/learn/learn.hpp"
+#include "types_lfd/learn/tune.hpp"
 
 namespace graft::report {
 
@@ -42,6 +43,9 @@ Picture tablePicture(const lfd::LearnResult& result);
 
 /// Positions over time in the first demonstration, measured and optimized.
 Picture tracksPicture(const lfd::LearnResult& result);
+
+/// What other weights would give (graft-lfd learn --tune).
+Picture tunePicture(const std::vector<lfd::TuneTrial>& trials);
 
 /// What people call an edge type of the learner: "LFD_HAND_GRIPPER" gives
 /// "E7 hand to gripper"; other tags stay as they are.

@@ -84,4 +84,9 @@ void writeReport(const lfd::LearnResult& result, StagedDirectory& out,
   out.write("report.html", page.text());
 }
 
+void writeTuning(const std::vector<lfd::TuneTrial>& trials, StagedDirectory& out) {
+  const Picture picture = tunePicture(trials);
+  out.write("pictures/tune.svg", picture.svg.standalone(picture.title));
+}
+
 }  // namespace graft::report

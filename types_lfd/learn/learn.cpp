@@ -260,10 +260,14 @@ LearnResult learn(const RecordedTask& recorded, std::size_t mode,
   const Extractor extractor(result, loaded.graph);
   runOptimizer(loaded, registry, options, extractor, phases, result);
   result.after = extractor.demonstrations(loaded.values);
+  result.table_optimized = computeTable1(result.after, scene, false);
+  if (options.optimize_only) {
+    phases.end();
+    return result;
+  }
   result.graph_optimized = formatG2o(loaded.graph, loaded.values);
 
   phases.begin("refine");
-  result.table_optimized = computeTable1(result.after, scene, false);
   refine(result, options, diagnostics);
 
   phases.begin("evaluate");

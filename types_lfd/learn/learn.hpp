@@ -23,6 +23,9 @@ struct LearnOptions {
   std::vector<int> snapshots{0, 1, 5, 20};
   int threads = 0;  ///< 0 = all processors; results do not depend on it
   const std::atomic<int>* interrupt = nullptr;
+  /// Stop after the optimization: `after` and table_optimized are there, nothing
+  /// that comes later.
+  bool optimize_only = false;
   /// Told which phase runs and how far it is (0..1).
   std::function<void(const std::string& phase, double fraction)> progress;
 };
