@@ -6,6 +6,7 @@
 #include "types_lfd/demo/accuracy.hpp"
 #include "types_lfd/demo/clean.hpp"
 #include "types_lfd/demo/demonstration.hpp"
+#include "types_lfd/demo/recording_check.hpp"
 
 namespace graft::lfd {
 
@@ -15,6 +16,39 @@ std::size_t PreparedTask::tupleCount() const {
   return count;
 }
 
+namespace {
+
+/// Cleans, matches and segments one demonstration; remarks to `diagnostics`.
+PreparedDemonstration prepareDemonstration(const Task& task, std::size_t d, Demonstration& recorded,
+                                           const std::map<std::string, TrackerAccuracy>& accuracies,
+                                           Diagnostics& diagnostics) {
+  const DemonstrationSpec& spec = task.demonstrations[d];
+  const SourceLocation where{task.path, spec.where.line, 0};
+  const std::string dropped = removeOutliers(recorded).text();
+  if (!dropped.empty()) diagnostics.note(where, spec.name + ": " + dropped);
+  PreparedDemonstration demo;
+  demo.matched = matchTracks(recorded);
+  demo.segments =
+      segmentDemonstration(demo.matched, SegmentOptions(), spec.grasp_time, spec.release_time);
+  demo.accuracy.hand = accuracies.at("hand");
+  demo.accuracy.object = accuracies.at("object");
+  // An estimated torso has no measurement; its E2 takes the hand's accuracy.
+  demo.accuracy.torso = accuracies.at(demo.matched.torso_estimated ? "hand" : "torso");
+  if (demo.matched.torso_estimated) {
+    diagnostics.note(where, spec.name + ": no torso track; the torso is estimated from the hand");
+  }
+  // Below this the object was held more than once, or moved by something else.
+  constexpr double kEnoughMotion = 0.8;
+  if (demo.segments.motion_share < kEnoughMotion) {
+    diagnostics.warning(where, spec.name + ": only " +
+                                   std::to_string(int(100 * demo.segments.motion_share)) +
+                                   " % of the object's motion lies between grasp and release");
+  }
+  return demo;
+}
+
+}  // namespace
+
 PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics) {
   PreparedTask prepared;
   prepared.task = readTask(task_path, diagnostics);
@@ -22,33 +56,21 @@ PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics)
   diagnostics.throwIfErrors();
   std::vector<Demonstration> demonstrations = readDemonstrations(prepared.task, diagnostics);
   diagnostics.throwIfErrors();
+  checkRecordings(prepared.task, demonstrations, diagnostics);
+  diagnostics.throwIfErrors();
   const auto accuracies = trackerAccuracies(prepared.task, demonstrations, diagnostics);
   for (std::size_t d = 0; d < demonstrations.size(); ++d) {
-    const DemonstrationSpec& spec = prepared.task.demonstrations[d];
-    const auto note = [&](const std::string& text) {
-      diagnostics.note({prepared.task.path, spec.where.line, 0}, spec.name + ": " + text);
-    };
-    const std::string dropped = removeOutliers(demonstrations[d]).text();
-    if (!dropped.empty()) note(dropped);
-    PreparedDemonstration demo;
-    demo.matched = matchTracks(demonstrations[d]);
-    demo.segments =
-        segmentDemonstration(demo.matched, SegmentOptions(), spec.grasp_time, spec.release_time);
-    demo.accuracy.hand = accuracies.at("hand");
-    demo.accuracy.object = accuracies.at("object");
-    // An estimated torso has no measurement; its E2 takes the hand's accuracy.
-    demo.accuracy.torso = accuracies.at(demo.matched.torso_estimated ? "hand" : "torso");
-    if (demo.matched.torso_estimated) note("no torso track; the torso is estimated from the hand");
-    // Below this the object was held more than once, or moved by something else.
-    constexpr double kEnoughMotion = 0.8;
-    if (demo.segments.motion_share < kEnoughMotion) {
-      diagnostics.warning({prepared.task.path, spec.where.line, 0},
-                          spec.name + ": only " +
-                              std::to_string(int(100 * demo.segments.motion_share)) +
-                              " % of the object's motion lies between grasp and release");
+    // What is wrong with one demonstration must not hide the others'.
+    try {
+      prepared.demonstrations.push_back(
+          prepareDemonstration(prepared.task, d, demonstrations[d], accuracies, diagnostics));
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kInput) throw;
+      diagnostics.error({prepared.task.path, prepared.task.demonstrations[d].where.line, 0},
+                        error.what());
     }
-    prepared.demonstrations.push_back(std::move(demo));
   }
+  diagnostics.throwIfErrors();
   return prepared;
 }
 

@@ -74,4 +74,29 @@ int ReachMap::nearestFilledHeight(int height_bin, int tilt) const {
   return best;
 }
 
+bool ReachMap::reachableSomewhere(const Pose& world_T_gripper) const {
+  const GripperView view = grid_.view(world_T_gripper);
+  const int z = grid_.heightBin(view.position[2]);
+  return z >= 0 && z < grid_.nz && filled_[grid_.slice(z, view.tilt)] > 0;
+}
+
+ReachMap::Heights ReachMap::heightsOfTilts(int first, int last) const {
+  Heights heights;
+  for (int z = 0; z < grid_.nz; ++z) {
+    for (int tilt = first; tilt <= last; ++tilt) {
+      if (filled_[grid_.slice(z, tilt)] == 0) continue;
+      if (heights.empty()) heights.low = (z + grid_.z0) * grid_.resolution;
+      heights.high = (z + grid_.z0 + 1) * grid_.resolution;
+    }
+  }
+  return heights;
+}
+
+ReachMap::Heights ReachMap::heights(const Pose& world_T_gripper) const {
+  const int tilt = grid_.view(world_T_gripper).tilt;
+  return heightsOfTilts(tilt, tilt);
+}
+
+ReachMap::Heights ReachMap::heights() const { return heightsOfTilts(0, grid_.tiltCount() - 1); }
+
 }  // namespace graft::lfd

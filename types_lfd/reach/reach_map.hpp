@@ -80,6 +80,18 @@ class ReachMap {
   /// being the arm's best (Yoshikawa's measure, 1985).
   int quality(const Pose& world_T_gripper, const Pose2& world_T_base) const;
 
+  /// Whether any base reaches the gripper pose.
+  bool reachableSomewhere(const Pose& world_T_gripper) const;
+  /// Gripper heights (m) between which some base reaches: with this pose's tilt,
+  /// or with any. Low above high if there is none.
+  struct Heights {
+    double low = 0;
+    double high = -1;
+    bool empty() const { return low > high; }
+  };
+  Heights heights(const Pose& world_T_gripper) const;
+  Heights heights() const;
+
   /// The base pose nearest to the query that reaches the gripper pose: the
   /// nearest point of all feasible cells of the pose's height and tilt. Faces
   /// towards infeasible cells keep a margin (setMargins), so that a result
@@ -121,6 +133,7 @@ class ReachMap {
   /// Fills what follows from grid_ and cells_.
   void finish();
   int nearestFilledHeight(int height_bin, int tilt) const;
+  Heights heightsOfTilts(int first, int last) const;
 
   ReachGrid grid_;
   std::vector<std::uint8_t> cells_;
