@@ -122,9 +122,9 @@ LearnResult learnMode(const RecordedTask& recorded, std::size_t mode, StagedDire
   options.progress = nullptr;
   bars.reset();
   printMessages(diagnostics);
-  writeResult(result, out);
   Diagnostics all = reading;
   all.append(diagnostics);
+  writeResult(result, out, all.lines());
   report::writeReport(result, out, all.lines());
   return result;
 }
