@@ -166,6 +166,8 @@ PreparedTask taskOfMode(const PreparedTask& task, const RecordedHolds& holds, st
     part.demonstrations.push_back(task.demonstrations[d]);
     poses.push_back(holds.spread.object_T_hand[d]);
   }
+  // Those left out have no say in how steady motion is.
+  if (members.size() < task.demonstrations.size()) findSteadiness(part);
   const std::vector<char> turned = turnedHands(poses);
   for (std::size_t k = 0; k < members.size(); ++k) {
     part.demonstrations[k].hand_turned = turned[k] != 0;

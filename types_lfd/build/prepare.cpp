@@ -16,10 +16,6 @@ std::size_t PreparedTask::tupleCount() const {
   return count;
 }
 
-namespace {
-
-/// The motion prior of hand and object from the tracks, where the task does not
-/// give it.
 void findSteadiness(PreparedTask& prepared) {
   Weights& w = prepared.weights;
   struct Found {
@@ -55,8 +51,6 @@ void findSteadiness(PreparedTask& prepared) {
     for (std::size_t p = 0; p < kMotionPhases; ++p) *entity.weights[p] = {noise[p].t, noise[p].r};
   }
 }
-
-}  // namespace
 
 PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics) {
   PreparedTask prepared;

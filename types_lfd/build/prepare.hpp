@@ -54,6 +54,10 @@ struct PreparedTask {
   std::size_t tupleCount() const;
 };
 
+/// Sets the motion prior of hand and object (Weights::steady_...) from the tracks of
+/// the task's demonstrations, where the task file does not give it.
+void findSteadiness(PreparedTask& prepared);
+
 /// Runs the stages up to the graph. Remarks (estimated torso, removed outliers,
 /// estimated accuracy) and defects go to `diagnostics`; throws where the task
 /// cannot be used.
