@@ -200,7 +200,10 @@ void addOptimize(Program& program, Clock::time_point start) {
       {"chordal", InitialGuess::kChordal}};
   command
       ->add_option("--initial-guess", solve.initial_guess,
-                   "auto (default: the lower initial chi2 wins), file, spanning-tree or chordal")
+                   "file, spanning-tree, chordal (rotations as free matrices by least squares, "
+                   "projected, then translations), or auto (default): the lowest initial chi2 "
+                   "wins; chordal takes part where the others' is above 10 per measured number and "
+                   "rotations are measured around loops")
       ->type_name("NAME")
       ->transform(CLI::CheckedTransformer(guesses).description(""));
   options->engine.addLoadOptions(*command);

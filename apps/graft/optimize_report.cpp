@@ -41,7 +41,11 @@ std::string formatSummary(const LoadedGraph& loaded, const Summary& summary,
   if (summary.chi2_by_tag.size() > 1) {
     for (const auto& [tag, chi2] : summary.chi2_by_tag) row("", number(chi2) + "  " + tag);
   }
-  if (summary.used_spanning_tree) row("start", "spanning tree");
+  if (summary.start != StartKind::kGiven) {
+    const bool chordal = summary.start == StartKind::kChordal;
+    row("start", std::string(chordal ? "chordal relaxation" : "spanning tree") + ", chi2 " +
+                     number(summary.chi2_start));
+  }
   row("solver",
       summary.linear_solver + (summary.ordering.empty() ? "" : ", ordering " + summary.ordering) +
           ", " + std::to_string(summary.threads) + (summary.threads == 1 ? " thread" : " threads"));

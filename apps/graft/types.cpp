@@ -27,7 +27,9 @@ void showEdge(const graft_edge_type& type) {
   std::string line = type.tag;
   if (type.arity == GRAFT_DYNAMIC) {
     line += std::string(" id... || ");
-    std::printf("  slots    any number of %s\n", type.slot_types[0]);
+    std::printf("  slots   ");
+    for (int k = 0; k + 1 < type.dynamic_slots; ++k) std::printf(" %s", type.slot_types[k]);
+    std::printf(" any number of %s\n", type.slot_types[type.dynamic_slots - 1]);
   } else {
     std::printf("  slots   ");
     for (int k = 0; k < type.arity; ++k) {

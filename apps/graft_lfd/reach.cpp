@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "types_lfd/reach/reach_map.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 
@@ -9,6 +11,8 @@
 #include "apps/graft_lfd/session.hpp"
 #include "core/base/text.hpp"
 #include "types_lfd/build/scene.hpp"
+#include "types_lfd/reach/capability_map.hpp"
+#include "types_lfd/reach/reach_verify.hpp"
 
 namespace graft::lfd {
 
@@ -21,26 +25,33 @@ struct Options {
   std::string out;
   std::string gripper;
   std::string base;
+  std::string file;
+  int verify = 0;
   ReachOptions reach;
   std::function<ExitCode()> action;  ///< of the subcommand that was chosen
 };
 
 void describeMap(const ReachMap& map) {
   std::printf(
-      "robot: %s, %s to %s\nreachable cells: %llu of %zu\nsamples: %llu, seed %llu\n"
-      "coverage: %.4f of the cells were found by half of the samples\n",
-      map.robotName().c_str(), map.baseLink().c_str(), map.tipLink().c_str(),
-      static_cast<unsigned long long>(map.reachableCells()), map.cells().size(),
-      static_cast<unsigned long long>(map.samples()), static_cast<unsigned long long>(map.seed()),
-      map.coverage());
+      "robot: %s, %s to %s\nresolution: %g m, %g degrees\nreachable nodes: %llu of %zu\n"
+      "samples: %llu, seed %llu\n"
+      "coverage: %.4f of the voxels were found by half of the samples\n",
+      map.robotName().c_str(), map.baseLink().c_str(), map.tipLink().c_str(), map.grid().resolution,
+      360.0 / map.grid().turn, static_cast<unsigned long long>(map.reachableCells()),
+      map.distances().size(), static_cast<unsigned long long>(map.samples()),
+      static_cast<unsigned long long>(map.seed()), map.coverage());
+}
+
+Chain chainOf(RobotSpec robot, const std::string& tool) {
+  Diagnostics diagnostics;
+  if (!tool.empty()) robot.tip_T_gripper = parsePose(tool, "--tool");
+  Chain chain = loadChain(robot, diagnostics);
+  printMessages(diagnostics);
+  return chain;
 }
 
 ExitCode runBuild(const Options& options) {
-  Diagnostics diagnostics;
-  RobotSpec robot = options.robot;
-  if (!options.tool.empty()) robot.tip_T_gripper = parsePose(options.tool, "--tool");
-  const Chain chain = loadChain(robot, diagnostics);
-  printMessages(diagnostics);
+  const Chain chain = chainOf(options.robot, options.tool);
   ProgressBar bar("sampling", 100);
   const ReachMap map = ReachMap::build(
       chain, options.reach, [&](double fraction) { bar.update(int(100 * fraction), ""); });
@@ -73,7 +84,48 @@ ExitCode runQuery(const Options& options) {
 }
 
 ExitCode runInfo(const Options& options) {
-  describeMap(ReachMap::load(options.map));
+  const ReachMap map = ReachMap::load(options.map);
+  describeMap(map);
+  if (options.verify == 0) return ExitCode::kSuccess;
+  if (options.robot.urdf.empty()) {
+    throw Error(ExitCode::kUsage, "--verify needs --robot, the URDF the map was built from");
+  }
+  RobotSpec robot = options.robot;
+  robot.base_link = map.baseLink();
+  robot.tip_link = map.tipLink();
+  const Chain chain = chainOf(robot, options.tool);
+  map.requireChain(chain, options.map);
+  const ReachRates rates =
+      measureRates(map, sampleReachTrial(chain, ikOracle(chain), options.verify, 1));
+  std::printf(
+      "verified with %d reachable poses and %d unreachable ones within 0.3 m of the border\n"
+      "true positive rate: %.4f\ntrue negative rate: %.4f\n",
+      options.verify, options.verify, rates.true_positive, rates.true_negative);
+  return ExitCode::kSuccess;
+}
+
+/// A capability map of other people's tools: what it holds.
+ExitCode runImport(const Options& options) {
+  const CapabilityMap map = CapabilityMap::load(options.file);
+  const double voxel = map.resolution() * map.resolution() * map.resolution();
+  double voxels = 0;
+  double share = 0;
+  int shapes[5] = {};
+  for (const Capability& c : map.capabilities()) {
+    // Leaves of the octree may be larger than a voxel.
+    const double count = std::round(c.edge * c.edge * c.edge / voxel);
+    voxels += count;
+    share += count * c.share();
+    shapes[static_cast<int>(c.shape)] += 1;
+  }
+  std::printf(
+      "capability map of %s: %s to %s\nresolution: %g m\n"
+      "non-empty voxels: %zu (octree leaves; %.0f cubes of this size)\n"
+      "spheres: %d\ncones: %d\ncylinders along the axis: %d\ncylinders across it: %d\n"
+      "directions covered, mean: %.1f %%\n",
+      map.groupName().c_str(), map.baseLink().c_str(), map.tipLink().c_str(), map.resolution(),
+      map.capabilities().size(), voxels, shapes[1], shapes[2], shapes[3], shapes[4],
+      100 * share / std::max(1.0, voxels));
   return ExitCode::kSuccess;
 }
 
@@ -81,7 +133,7 @@ ExitCode runInfo(const Options& options) {
 
 void addReach(Program& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* reach = program.add("reach", "Reachability maps: build, query, info",
+  CLI::App* reach = program.add("reach", "Reachability maps: build, query, info, import",
                                 [options] { return options->action(); });
   reach->require_subcommand(1);
   const auto command = [&](const char* name, const char* text, ExitCode (*run)(const Options&)) {
@@ -109,6 +161,14 @@ void addReach(Program& program) {
   query->add_option("--base", options->base, "Base now: \"x y yaw\"")->required();
   CLI::App* info = command("info", "What a map file holds", &runInfo);
   info->add_option("MAP", options->map, "Map file")->required();
+  info->add_option("--verify", options->verify,
+                   "Also compare with inverse kinematics at this many poses of each kind")
+      ->check(CLI::Range(1, 1000000));
+  info->add_option("--robot", options->robot.urdf, "URDF of the map's robot, for --verify");
+  info->add_option("--tool", options->tool, "tip_link_T_gripper: \"x y z qx qy qz qw\"");
+  CLI::App* import =
+      command("import", "What a capability map (.cpm) of other tools holds", &runImport);
+  import->add_option("FILE", options->file, "Capability map")->required();
 }
 
 }  // namespace graft::lfd

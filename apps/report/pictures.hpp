@@ -28,7 +28,7 @@ std::vector<Picture> mapPictures(const lfd::LearnResult& result);
 /// Hand and gripper seen from the object, and the grasps (paper, Fig. 3).
 Picture graspPicture(const lfd::LearnResult& result);
 
-/// Where each demonstration holds the object, for results without a common grasp.
+/// Where each demonstration holds the object, for tasks with several ways of it.
 Picture holdsPicture(const lfd::LearnResult& result);
 
 /// Reaching, manipulation, retreat, and which stamps were measured.

@@ -66,6 +66,10 @@ void writeReport(const lfd::LearnResult& result, StagedDirectory& out,
   Writer pictures(page, out);
   addOverview(page, result);
   if (result.common_grasp) {
+    if (result.holds.modes.size() > 1) {
+      addModes(page, result);
+      pictures.one(holdsPicture(result));
+    }
     addMessages(page, result, messages);
     addResult(page, pictures, result);
   } else {

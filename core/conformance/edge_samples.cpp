@@ -43,14 +43,9 @@ void chooseShape(EdgeSamples& samples, bool larger) {
              " of vertices up to " + std::to_string(kLargestArity));
 }
 
-/// The vertex tag that slot `k` takes.
-const char* slotTag(const graft_edge_type& type, int k) {
-  return type.slot_types[type.arity == GRAFT_DYNAMIC ? 0 : k];
-}
-
 void chooseSlots(const Context& context, EdgeSamples& samples) {
   for (int k = 0; k < samples.arity; ++k) {
-    const char* tag = slotTag(*samples.type, k);
+    const char* tag = slotType(*samples.type, k);
     const graft_vertex_type* vertex = context.registry.vertex(tag);
     if (vertex == nullptr) {
       throw Defect(std::string("slot ") + std::to_string(k + 1) + " takes " + tag +

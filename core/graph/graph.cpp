@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/types/registry.hpp"
 #include "core/types/vertex.hpp"
 
 namespace graft {
@@ -95,7 +96,7 @@ void Graph::checkEdge(EdgeSpec& spec, int& error_dim) const {
   }
   for (int k = 0; k < arity; ++k) {
     const VertexRef v = spec.vertices[std::size_t(k)];
-    const std::string wanted = type.slot_types[type.arity == GRAFT_DYNAMIC ? 0 : k];
+    const std::string wanted = slotType(type, k);
     if (wanted != this->type(v).tag) {
       fail("slot " + std::to_string(k + 1) + " needs " + wanted + ", vertex " +
            std::to_string(id(v)) + " is " + this->type(v).tag);

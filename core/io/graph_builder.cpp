@@ -180,7 +180,7 @@ void GraphBuilder::makeVertices() {
     for (int k = 0; k < edge.arity; ++k) {
       const std::int64_t id = ids_[edge.ids + std::size_t(k)];
       if (loaded_.graph.find(id).type >= 0) continue;
-      const std::string slot = type.slot_types[type.arity == GRAFT_DYNAMIC ? 0 : k];
+      const std::string slot = slotType(type, k);
       const TagType& vertex = tag(slot);
       if (vertex.vertex == nullptr) {
         error(edge.line, 0,

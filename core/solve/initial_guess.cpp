@@ -36,7 +36,8 @@ class Spreading {
     }
   }
 
-  SpreadResult run() {
+  SpreadResult run(const std::vector<VertexRef>& placed) {
+    for (const VertexRef v : placed) place(v);
     placeRoots();
     for (std::size_t next = 0; next < queue_.size(); ++next) {
       const VertexRef v = queue_[next];
@@ -110,8 +111,9 @@ class Spreading {
 
 }  // namespace
 
-SpreadResult spreadEstimates(const Problem& problem, const State& state) {
-  return Spreading(problem, state).run();
+SpreadResult spreadEstimates(const Problem& problem, const State& state,
+                             const std::vector<VertexRef>& placed) {
+  return Spreading(problem, state).run(placed);
 }
 
 }  // namespace graft

@@ -17,6 +17,9 @@ struct SpreadResult {
 /// vertex placed by the propagate() of the edge that reaches it. Deterministic.
 /// Fixed and held vertices, and those that no edge can place, stay as they are
 /// in `state`; edges that look something up use the state's associations.
-SpreadResult spreadEstimates(const Problem& problem, const State& state);
+/// `placed`: free vertices whose estimates in the state are good already; they are
+/// roots, too, and not counted.
+SpreadResult spreadEstimates(const Problem& problem, const State& state,
+                             const std::vector<VertexRef>& placed = {});
 
 }  // namespace graft

@@ -8,6 +8,7 @@
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/initial_guess.hpp"
+#include "core/solve/relaxation.hpp"
 #include "core/solve/step_strategy.hpp"
 
 namespace graft {
@@ -62,30 +63,99 @@ class Solve {
     return evaluation.ok() ? linearizer_.evaluate(state) : evaluation;
   }
 
+  /// A state to begin with.
+  struct Guess {
+    State state;
+    Evaluation evaluation;
+    std::int64_t placed = 0;
+    std::int64_t unplaced = 0;
+  };
+
   /// The state that the iterations begin with, and its chi2.
   Evaluation chooseStart(State& state) {
     Evaluation given = evaluateAt(values_, state);
     summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
-    if (options_.initial_guess == InitialGuess::kFile) return given;
+    const InitialGuess wanted = options_.initial_guess;
+    if (wanted == InitialGuess::kFile) return given;
     if (state.associations.empty()) return given;
-    const SpreadResult spread = spreadEstimates(problem_, state);
-    if (spread.placed == 0) return given;
-    State spread_state;
-    const Evaluation guess = evaluateAt(spread.values, spread_state);
-    const bool automatic = options_.initial_guess == InitialGuess::kAuto;
-    const bool better = guess.ok() && (!given.ok() || guess.chi2 < given.chi2);
-    if (automatic && !better) return given;
-    if (automatic && !given.ok()) {
-      summary_.notes.push_back("began with a spanning tree, because " + given.failure);
+    if (wanted == InitialGuess::kChordal) {
+      Guess guess = relax(state, true);
+      return begin(StartKind::kChordal, std::move(guess), state);
     }
-    if (spread.unplaced > 0) {
+    Guess tree = spread(state);
+    if (wanted == InitialGuess::kSpanningTree) {
+      return tree.placed == 0 ? given : begin(StartKind::kSpanningTree, std::move(tree), state);
+    }
+    const bool tree_wins = tree.placed > 0 && isLower(tree.evaluation, given);
+    const Evaluation& best = tree_wins ? tree.evaluation : given;
+    if (isPoor(best)) {
+      Guess chordal = relax(state, false);
+      if (chordal.placed > 0 && isLower(chordal.evaluation, best)) {
+        noteUnusable(given, "the chordal relaxation");
+        return begin(StartKind::kChordal, std::move(chordal), state);
+      }
+    }
+    if (!tree_wins) return given;
+    noteUnusable(given, "a spanning tree");
+    return begin(StartKind::kSpanningTree, std::move(tree), state);
+  }
+
+  static bool isLower(const Evaluation& a, const Evaluation& b) {
+    return a.ok() && (!b.ok() || a.chi2 < b.chi2);
+  }
+
+  /// Whether a start is so far from what noise explains that a relaxation, which
+  /// costs about as much as an iteration, is worth a try.
+  bool isPoor(const Evaluation& evaluation) const {
+    constexpr double kPoor = 10;
+    double errors = 0;
+    for (const EdgeGroup& group : problem_.groups()) {
+      errors += double(group.count) * group.error_dim;
+    }
+    return !evaluation.ok() || evaluation.chi2 > kPoor * errors;
+  }
+
+  Guess spread(const State& state, const std::vector<VertexRef>& placed = {}) const {
+    SpreadResult result = spreadEstimates(problem_, state, placed);
+    Guess guess;
+    guess.placed = result.placed;
+    guess.unplaced = result.unplaced;
+    if (guess.placed > 0 || !placed.empty()) {
+      guess.evaluation = evaluateAt(result.values, guess.state);
+    }
+    return guess;
+  }
+
+  /// The relaxation, and a spanning tree for what it leaves. Without one, or with one
+  /// that says no more than a tree: throws if it is required, else the guess has no
+  /// vertex placed.
+  Guess relax(const State& state, bool required) {
+    RelaxResult result = relaxEstimates(problem_, state, pool_, !required);
+    if (!result.failure.empty()) {
+      if (!required) return {};
+      throw Error(ExitCode::kNoResult, "there is no chordal initial guess: " + result.failure);
+    }
+    State relaxed = state;
+    relaxed.values = std::move(result.values);
+    Guess guess = spread(relaxed, result.placed);
+    guess.placed += std::int64_t(result.placed.size());
+    return guess;
+  }
+
+  void noteUnusable(const Evaluation& given, const char* start) {
+    if (given.ok()) return;
+    summary_.notes.push_back("began with " + std::string(start) + ", because " + given.failure);
+  }
+
+  Evaluation begin(StartKind kind, Guess guess, State& state) {
+    if (guess.unplaced > 0) {
       summary_.notes.push_back("no edge of the spanning tree could place " +
-                               std::to_string(spread.unplaced) +
+                               std::to_string(guess.unplaced) +
                                " vertices; they begin where they were");
     }
-    summary_.used_spanning_tree = true;
-    state = std::move(spread_state);
-    return guess;
+    summary_.start = kind;
+    state = std::move(guess.state);
+    return guess.evaluation;
   }
 
   void iterate(State state, double chi2) {
@@ -173,6 +243,10 @@ class Solve {
       if (!entry.accepted) continue;
       moved = true;
       linearized = false;
+      if (linearizer_.hasAssociations() &&
+          entry.chi2_change <= options_.association_tolerance * before) {
+        return finish(Status::kConverged, "chi2 changes by less than association_tolerance");
+      }
       const bool small = entry.chi2_change <= options_.function_tolerance * before;
       small_changes = small ? small_changes + 1 : 0;
       if ((small && result.full) || small_changes >= kSmallChanges) {
@@ -209,9 +283,6 @@ Summary optimize(const Graph& graph, Values& values, Registry& registry,
                  const SolveOptions& options) {
   const std::string defect = options.validate();
   if (!defect.empty()) throw Error(ExitCode::kUsage, defect);
-  if (options.initial_guess == InitialGuess::kChordal) {
-    throw Error(ExitCode::kUsage, "the chordal initial guess is not available yet");
-  }
   return Solve(graph, values, registry, options).run();
 }
 

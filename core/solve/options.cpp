@@ -13,13 +13,15 @@ std::string SolveOptions::validate() const {
     if (std::isfinite(value) && value >= low) return std::string();
     return std::string(name) + " is " + formatDouble(value) + ", but must be " + rule;
   };
-  const std::string checks[] = {number("iterations", iterations, 0, "0 or more"),
-                                number("threads", threads, 0, "0 or more"),
-                                number("time_limit", time_limit, 0, "0 or more"),
-                                number("function_tolerance", function_tolerance, 0, "0 or more"),
-                                number("step_tolerance", step_tolerance, 0, "0 or more"),
-                                number("gradient_tolerance", gradient_tolerance, 0, "0 or more"),
-                                number("initial_damping", initial_damping, 1e-20, "1e-20 or more")};
+  const std::string checks[] = {
+      number("iterations", iterations, 0, "0 or more"),
+      number("threads", threads, 0, "0 or more"),
+      number("time_limit", time_limit, 0, "0 or more"),
+      number("function_tolerance", function_tolerance, 0, "0 or more"),
+      number("association_tolerance", association_tolerance, 0, "0 or more"),
+      number("step_tolerance", step_tolerance, 0, "0 or more"),
+      number("gradient_tolerance", gradient_tolerance, 0, "0 or more"),
+      number("initial_damping", initial_damping, 1e-20, "1e-20 or more")};
   for (const std::string& check : checks) {
     if (!check.empty()) return check;
   }

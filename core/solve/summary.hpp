@@ -16,13 +16,16 @@ enum class Status { kConverged, kIterationLimit, kTimeLimit, kInterrupted, kFail
 /// "converged", "iteration_limit", "time_limit", "interrupted", "failed".
 const char* statusName(Status status);
 
+/// Where the iterations began: the values given, or a guess.
+enum class StartKind { kGiven, kSpanningTree, kChordal };
+
 struct Summary {
   Status status = Status::kFailed;
   std::string reason;
   double chi2_initial = 0;  ///< at the values given
   double chi2_start = 0;    ///< after the initial guess
   double chi2_final = 0;
-  bool used_spanning_tree = false;
+  StartKind start = StartKind::kGiven;      ///< which guess the iterations began with
   std::vector<IterationRecord> iterations;  ///< iterations.size() - 1 were made
   std::int64_t associations_changed = 0;
   /// Vertices that were held fixed because their component had no anchor, and

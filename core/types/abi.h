@@ -27,7 +27,7 @@ extern "C" {
 
 #define GRAFT_ABI_MAGIC 0x54465247u /* "GRFT" in little-endian bytes */
 #define GRAFT_ABI_MAJOR 1u
-#define GRAFT_ABI_MINOR 0u
+#define GRAFT_ABI_MINOR 1u
 #define GRAFT_STAMP_SECTION ".graft.stamp"
 #define GRAFT_METADATA_SECTION ".graft.meta"
 #define GRAFT_REGISTER_SYMBOL "graft_plugin_register"
@@ -60,6 +60,39 @@ typedef struct graft_abi_stamp {
   char requires_plugins[128]; /* names, separated by blanks, loaded before this one */
 } graft_abi_stamp;
 
+typedef struct graft_edge_batch graft_edge_batch;
+
+/* ---- relaxation: a start that needs no estimates ------------------------- */
+
+/* Where the constraints of a manifold are dropped, many problems become linear: for poses,
+ * rotations taken as free matrices, and after that translations. A relaxation is a sequence
+ * of such linear least-squares problems. In a stage a vertex has an unknown matrix Y of
+ * rows x columns, an edge weighted equations sum_k A_k Y_k = B; what was solved is put back
+ * on the manifold before the next stage. Source of the idea for poses: Carlone, Tron,
+ * Daniilidis, Dellaert, "Initialization techniques for 3D SLAM", ICRA 2015. */
+enum { GRAFT_RELAXATION_STAGES = 2 };
+
+typedef struct graft_vertex_relaxation {
+  uint32_t struct_size;
+  int32_t rows[GRAFT_RELAXATION_STAGES];    /* of Y, 0 = no part in this stage */
+  int32_t columns[GRAFT_RELAXATION_STAGES]; /* of Y; equal for all vertices of an edge */
+  /* The Y (column-major) of an estimate. */
+  void (*relax)(int32_t stage, const double* x, double* y);
+  /* Sets the part of the estimate x that the stage is about to what is nearest to Y;
+   * GRAFT_FAILED if Y determines nothing. */
+  int (*restore)(int32_t stage, const double* y, double* x);
+} graft_vertex_relaxation;
+
+typedef struct graft_edge_relaxation {
+  uint32_t struct_size;
+  int32_t rows[GRAFT_RELAXATION_STAGES]; /* equations, 0 = no part in this stage */
+  /* The equations of one edge, weighted by its information (given in the batch), at
+   * estimates that hold what earlier stages found. `matrices`: the A_k side by side for the
+   * slots that take part, rows x (sum of their Y's rows); `right`: rows x columns. Both
+   * column-major. GRAFT_FAILED if this edge has none. */
+  int (*equations)(const graft_edge_batch* batch, int32_t stage, double* matrices, double* right);
+} graft_edge_relaxation;
+
 /* ---- vertex types ------------------------------------------------------- */
 
 typedef struct graft_vertex_type {
@@ -78,6 +111,7 @@ typedef struct graft_vertex_type {
   void (*plus)(int64_t count, const double* x, const double* delta, double* out);
   /* delta with b [+] delta = a, for `count` items. */
   void (*minus)(int64_t count, const double* a, const double* b, double* delta);
+  const graft_vertex_relaxation* relaxation; /* or null */
 } graft_vertex_type;
 
 /* ---- resources ---------------------------------------------------------- */
@@ -98,7 +132,7 @@ typedef struct graft_resource_type {
 /* ---- edge types --------------------------------------------------------- */
 
 /* Edges of one type and one shape (arity, error and measurement dimension). */
-typedef struct graft_edge_batch {
+struct graft_edge_batch {
   uint32_t struct_size;
   int32_t arity;
   int32_t error_dim;
@@ -110,9 +144,9 @@ typedef struct graft_edge_batch {
   const double* const* measurements;   /* count pointers to measurement_dim numbers */
   const double* const* associations;   /* count pointers to association_dim numbers */
   const double* const* information;    /* count pointers to error_dim x error_dim numbers; only for
-                                          associate() */
+                                          associate() and relaxations */
   const void* const* const* resources; /* count pointers to resource_count resources */
-} graft_edge_batch;
+};
 
 enum {
   /* Edge error depends on the vertices only up to a common motion; without this
@@ -133,7 +167,7 @@ typedef struct graft_edge_type {
   int32_t measurement_dim; /* or GRAFT_DYNAMIC: then shape() tells */
   int32_t association_dim; /* numbers that associate() keeps per edge; 0 = none */
   int32_t resource_count;
-  const char* const* slot_types;     /* `arity` vertex tags; one tag for all if dynamic */
+  const char* const* slot_types;     /* vertex tags: `arity`, or dynamic_slots if dynamic */
   const char* const* resource_types; /* resource_count tags */
   /* Dynamic types only: dimensions for an arity; GRAFT_FAILED for a bad arity. */
   int (*shape)(int32_t arity, int32_t* error_dim, int32_t* measurement_dim, graft_message* message);
@@ -153,6 +187,9 @@ typedef struct graft_edge_type {
    * given the others (used to spread initial guesses); GRAFT_FAILED if the edge
    * cannot tell. One edge; `vertices` as in a batch. */
   int (*propagate)(const graft_edge_batch* batch, int32_t to, double* estimate);
+  /* Dynamic types: number of slot_types; the last stands for all further slots. Else 0. */
+  int32_t dynamic_slots;
+  const graft_edge_relaxation* relaxation; /* or null */
 } graft_edge_type;
 
 /* ---- robust kernels ----------------------------------------------------- */

@@ -41,6 +41,8 @@ class DynamicEdge {
                                          &normalize,
                                          &evaluate,
                                          nullptr,
+                                         nullptr,
+                                         1,
                                          nullptr};
     return type;
   }

@@ -134,6 +134,18 @@ struct HasPropagate : std::false_type {};
 template <class E>
 struct HasPropagate<E, std::void_t<decltype(&E::propagate)>> : std::true_type {};
 template <class E, class = void>
+struct HasRelax : std::false_type {};
+template <class E>
+struct HasRelax<E, std::void_t<decltype(&E::relax)>> : std::true_type {};
+template <class E, class = void>
+struct FieldsOf {
+  static constexpr const char* kFields = MeasurementOf<E>::kFields;
+};
+template <class E>
+struct FieldsOf<E, std::void_t<decltype(E::fields)>> {
+  static constexpr const char* kFields = E::fields;
+};
+template <class E, class = void>
 struct FlagsOf {
   static constexpr std::uint32_t kFlags = 0;
 };
@@ -162,6 +174,12 @@ struct FlagsOf<E, std::void_t<decltype(E::kFlags)>> {
 ///    double* association) const: see graft_edge_type; true if it changed;
 ///  - bool propagate(int to, V<double>&...) const: sets the vertex in slot `to`
 ///    so that the error vanishes; false if it cannot;
+///  - static constexpr int kRelaxedRows[GRAFT_RELAXATION_STAGES] and
+///    bool relax(int stage, const InformationBlock&, const V<double>&...,
+///    RelaxedEquations&) const: linear equations for initial guesses, see
+///    graft_edge_relaxation; false if this edge has none;
+///  - static constexpr auto fields: names of the measurement's numbers, where its
+///    type has none;
 ///  - static constexpr std::uint32_t kFlags.
 template <class Derived, int Dim, template <class> class... V>
 class Edge {
@@ -176,7 +194,7 @@ class Edge {
                                          detail::FlagsOf<Derived>::kFlags,
                                          Derived::tag,
                                          Derived::doc,
-                                         detail::MeasurementOf<Derived>::kFields,
+                                         detail::FieldsOf<Derived>::kFields,
                                          kArity,
                                          Dim,
                                          detail::MeasurementOf<Derived>::kDim,
@@ -188,7 +206,9 @@ class Edge {
                                          &normalize,
                                          &evaluate,
                                          associateCallback(),
-                                         propagateCallback()};
+                                         propagateCallback(),
+                                         0,
+                                         relaxation()};
     return type;
   }
 
@@ -295,6 +315,33 @@ class Edge {
     } else {
       return nullptr;
     }
+  }
+
+  static const graft_edge_relaxation* relaxation() {
+    if constexpr (detail::HasRelax<Derived>::value) {
+      static const graft_edge_relaxation table = {
+          sizeof(graft_edge_relaxation),
+          {Derived::kRelaxedRows[0], Derived::kRelaxedRows[1]},
+          [](const graft_edge_batch* batch, std::int32_t stage, double* matrices, double* right) {
+            return detail::guarded(
+                nullptr, [&] { return relaxOne(*batch, stage, matrices, right, Indices()); });
+          }};
+      return &table;
+    } else {
+      return nullptr;
+    }
+  }
+
+  template <std::size_t... K>
+  static int relaxOne(const graft_edge_batch& batch, int stage, double* matrices, double* right,
+                      std::index_sequence<K...>) {
+    const Derived edge = detail::makeEdge<Derived>(batch, 0);
+    RelaxedEquations equations(Derived::kRelaxedRows[stage], {relaxedRows<V>(stage)...},
+                               relaxedColumns<V...>(stage), matrices, right);
+    return edge.relax(stage, InformationBlock(batch.information[0], Dim, Dim),
+                      V<double>::fromArray(batch.vertices[K])..., equations)
+               ? GRAFT_OK
+               : GRAFT_FAILED;
   }
 
   template <std::size_t... K>

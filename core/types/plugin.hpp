@@ -11,6 +11,7 @@
 
 #include "core/types/dynamic_edge.hpp"
 #include "core/types/edge.hpp"
+#include "core/types/one_to_many_edge.hpp"
 #include "core/types/resource.hpp"
 #include "core/types/stamp.hpp"
 #include "core/types/vertex.hpp"
@@ -22,7 +23,7 @@ class PluginRegistry {
  public:
   explicit PluginRegistry(const graft_registrar* registrar) : registrar_(registrar) {}
 
-  /// An edge type (derived of Edge or DynamicEdge).
+  /// An edge type (derived of Edge, DynamicEdge or OneToManyEdge).
   template <class E>
   void add() {
     registrar_->add_edge_type(registrar_->host, &E::descriptor());

@@ -59,6 +59,16 @@ void stageVertex(void* host, const graft_vertex_type* type) {
   if (!type->identity || !type->normalize || !type->plus || !type->minus) {
     staging.defect(type->tag, "a callback is null");
   }
+  if (const graft_vertex_relaxation* relaxation = type->relaxation) {
+    bool good = relaxation->struct_size == sizeof *relaxation && relaxation->relax != nullptr &&
+                relaxation->restore != nullptr;
+    for (int stage = 0; stage < GRAFT_RELAXATION_STAGES; ++stage) {
+      good = good && relaxation->rows[stage] >= 0 && relaxation->rows[stage] <= 64 &&
+             relaxation->columns[stage] >= 0 && relaxation->columns[stage] <= 64 &&
+             (relaxation->rows[stage] > 0) == (relaxation->columns[stage] > 0);
+    }
+    if (!good) staging.defect(type->tag, "the relaxation is not complete");
+  }
   staging.entries.push_back({{Kind::kVertex, type->tag}, type});
 }
 
@@ -81,6 +91,13 @@ void stageEdge(void* host, const graft_edge_type* type) {
   require(dynamic || (type->error_dim > 0 && type->measurement_dim >= 0),
           "only types of dynamic arity have dynamic dimensions");
   require(type->slot_types != nullptr && type->slot_types[0] != nullptr, "slot_types is null");
+  require(dynamic ? type->dynamic_slots > 0 && type->dynamic_slots <= 64 : type->dynamic_slots == 0,
+          "dynamic_slots must be positive for dynamic arity, else 0");
+  if (const graft_edge_relaxation* relaxation = type->relaxation) {
+    require(!dynamic, "only types of fixed arity have a relaxation");
+    require(relaxation->struct_size == sizeof *relaxation && relaxation->equations != nullptr,
+            "the relaxation is not complete");
+  }
   require(type->resource_count >= 0 && type->resource_count <= 64,
           "resource_count must be 0 to 64");
   require(type->resource_count == 0 || type->resource_types != nullptr, "resource_types is null");

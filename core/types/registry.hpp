@@ -86,6 +86,12 @@ class Registry {
   Advisor advisor_;
 };
 
+/// The vertex tag that slot `k` of an edge type needs.
+inline const char* slotType(const graft_edge_type& type, int k) {
+  const bool further = type.arity == GRAFT_DYNAMIC && k >= type.dynamic_slots;
+  return type.slot_types[further ? type.dynamic_slots - 1 : k];
+}
+
 /// Levenshtein distance, for "did you mean".
 std::size_t editDistance(const std::string& a, const std::string& b);
 

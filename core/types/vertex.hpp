@@ -6,9 +6,11 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/geometry/point.hpp"
 #include "core/geometry/se2.hpp"
 #include "core/geometry/se3.hpp"
 #include "core/types/abi.h"
+#include "core/types/relaxation.hpp"
 
 namespace graft {
 
@@ -24,6 +26,7 @@ namespace graft {
 /// numbers), fromArray(const double*), toArray(double*), normalize(double*)
 /// (null or why the numbers are no value), plus(Vec<T, kTangentDim>),
 /// minus(V<T>) and renormalize(). SE3, SE2, Point2 and Point3 are examples.
+/// Optional: a Relaxation<V> (core/types/relaxation.hpp).
 template <template <class> class V>
 struct VertexTag;
 
@@ -36,6 +39,16 @@ template <>
 struct VertexTag<SE2> {
   static constexpr const char* kTag = "VERTEX_SE2";
   static constexpr const char* kDoc = "pose in the plane: metres, radians";
+};
+template <>
+struct VertexTag<Point2> {
+  static constexpr const char* kTag = "VERTEX_XY";
+  static constexpr const char* kDoc = "point in the plane: metres";
+};
+template <>
+struct VertexTag<Point3> {
+  static constexpr const char* kTag = "VERTEX_TRACKXYZ";
+  static constexpr const char* kDoc = "point in space: metres";
 };
 
 namespace detail {
@@ -97,7 +110,8 @@ const graft_vertex_type& vertexType() {
           Eigen::Map<Vec<double, kTangent>> step(delta + i * kTangent);
           step = Value::fromArray(a + i * kAmbient).minus(Value::fromArray(b + i * kAmbient));
         }
-      }};
+      },
+      detail::vertexRelaxation<V>()};
   return type;
 }
 

@@ -1,43 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/geometry/point.hpp"
-#include "core/types/plugin.hpp"
+#include "plugins/slam2d/parts.hpp"
 
 namespace graft {
-
-template <>
-struct VertexTag<Point2> {
-  static constexpr const char* kTag = "VERTEX_XY";
-  static constexpr const char* kDoc = "point in the plane: metres";
-};
-
-namespace slam2d {
-
-/// R(theta).
-inline Mat<double, 2> rotation(double theta) {
-  const double c = std::cos(theta);
-  const double s = std::sin(theta);
-  Mat<double, 2> r;
-  r << c, -s, s, c;
-  return r;
-}
-
-/// Derivative of R(-phi) (p - t) by a step of the pose (t, phi) on the right, for
-/// a point that it sees at `seen`: columns [d_t d_phi].
-inline Mat<double, 2, 3> seenByPose(const Vec<double, 2>& seen) {
-  Mat<double, 2, 3> j;
-  j << -1, 0, seen[1], 0, -1, -seen[0];
-  return j;
-}
-
-}  // namespace slam2d
 
 /// Relative pose in the plane: error [x y theta] of measured^-1 * (a^-1 * b).
 struct EdgeSe2 : Edge<EdgeSe2, 3, SE2, SE2>, Measured<Pose2> {
   static constexpr auto tag = "EDGE_SE2";
   static constexpr auto doc = "measured pose of the second vertex in the first";
   static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE;
+  static constexpr int kRelaxedRows[2] = {2, 2};
 
   template <class T>
   Vec<T, 3> error(const SE2<T>& a, const SE2<T>& b) const {
@@ -66,29 +39,47 @@ struct EdgeSe2 : Edge<EdgeSe2, 3, SE2, SE2>, Measured<Pose2> {
     }
     return true;
   }
+
+  bool relax(int stage, const InformationBlock& information, const Pose2& a, const Pose2&,
+             RelaxedEquations& equations) const {
+    slam2d::relaxRelative(stage, information, measurement, a, equations);
+    return true;
+  }
 };
 
-/// A point seen from a pose: error = pose^-1 * point - measured, metres.
-struct EdgeSe2Xy : Edge<EdgeSe2Xy, 2, SE2, Point2>, Measured<Point2<double>> {
-  static constexpr auto tag = "EDGE_SE2_XY";
-  static constexpr auto doc = "measured point, in the frame of the pose that sees it";
+/// Relative pose of two sensors that the vehicles carry, each at its own offset:
+/// error [x y theta] of measured^-1 * ((a * offset_a)^-1 * (b * offset_b)).
+struct EdgeSe2Offset : Edge<EdgeSe2Offset, 3, SE2, SE2>,
+                       Measured<Pose2>,
+                       Using<Se2Offset, Se2Offset> {
+  static constexpr auto tag = "EDGE_SE2_OFFSET";
+  static constexpr auto doc = "measured pose of the second vertex's sensor in the first's";
   static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE;
+  static constexpr int kRelaxedRows[2] = {2, 2};
 
   template <class T>
-  Vec<T, 2> error(const SE2<T>& pose, const Point2<T>& point) const {
-    return pose.inverse() * point.coordinates - measurement.coordinates.template cast<T>();
+  Vec<T, 3> error(const SE2<T>& a, const SE2<T>& b) const {
+    const SE2<T> at_a = a * resource<0>().body_T_sensor.template cast<T>();
+    const SE2<T> at_b = b * resource<1>().body_T_sensor.template cast<T>();
+    return poseError(measurement.inverse().template cast<T>() * (at_a.inverse() * at_b));
   }
 
-  void jacobians(const Pose2& pose, const Point2<double>& point, JacobianBlock<2, 3> by_pose,
-                 JacobianBlock<2, 2> by_point) const {
-    by_pose = slam2d::seenByPose(pose.inverse() * point.coordinates);
-    by_point = slam2d::rotation(-pose.theta);
-  }
-
-  bool propagate(int to, Pose2& pose, Point2<double>& point) const {
-    if (to != 1) return false;
-    point.coordinates = pose * measurement.coordinates;
+  bool propagate(int to, Pose2& a, Pose2& b) const {
+    (to == 1 ? b : a) = to == 1 ? a * between() : b * between().inverse();
+    (to == 1 ? b : a).renormalize();
     return true;
+  }
+
+  bool relax(int stage, const InformationBlock& information, const Pose2& a, const Pose2&,
+             RelaxedEquations& equations) const {
+    slam2d::relaxRelative(stage, information, between(), a, equations);
+    return true;
+  }
+
+ private:
+  /// What the measurement says about the vertices themselves.
+  Pose2 between() const {
+    return resource<0>().body_T_sensor * measurement * resource<1>().body_T_sensor.inverse();
   }
 };
 
@@ -96,6 +87,7 @@ struct EdgeSe2Xy : Edge<EdgeSe2Xy, 2, SE2, Point2>, Measured<Point2<double>> {
 struct EdgePriorSe2 : Edge<EdgePriorSe2, 3, SE2>, Measured<Pose2> {
   static constexpr auto tag = "EDGE_PRIOR_SE2";
   static constexpr auto doc = "measured pose of the vertex in the world";
+  static constexpr int kRelaxedRows[2] = {2, 2};
 
   template <class T>
   Vec<T, 3> error(const SE2<T>& pose) const {
@@ -111,6 +103,37 @@ struct EdgePriorSe2 : Edge<EdgePriorSe2, 3, SE2>, Measured<Pose2> {
   bool propagate(int, Pose2& pose) const {
     pose = measurement;
     pose.renormalize();
+    return true;
+  }
+
+  bool relax(int stage, const InformationBlock& information, const Pose2&,
+             RelaxedEquations& equations) const {
+    slam2d::relaxAbsolute(stage, information, measurement, equations);
+    return true;
+  }
+};
+
+/// A measured position in the world, as of a satellite receiver: error = t - measured.
+struct EdgePriorSe2Xy : Edge<EdgePriorSe2Xy, 2, SE2>, Measured<Point2<double>> {
+  static constexpr auto tag = "EDGE_PRIOR_SE2_XY";
+  static constexpr auto doc = "measured position of the vertex in the world";
+  static constexpr int kRelaxedRows[2] = {0, 2};
+
+  template <class T>
+  Vec<T, 2> error(const SE2<T>& pose) const {
+    return Vec<T, 2>(pose.x, pose.y) - measurement.coordinates.template cast<T>();
+  }
+
+  void jacobians(const Pose2& pose, JacobianBlock<2, 3> by_pose) const {
+    by_pose.setZero();
+    by_pose.leftCols<2>() = slam2d::rotation(pose.theta);
+  }
+
+  bool relax(int, const InformationBlock& information, const Pose2&,
+             RelaxedEquations& equations) const {
+    const Mat<double, 2> weight = rootOf<2>(information);
+    equations.matrix(0) = weight;
+    equations.right() = weight * measurement.coordinates;
     return true;
   }
 };

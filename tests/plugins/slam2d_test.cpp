@@ -5,6 +5,7 @@
 #include <random>
 
 #include "plugins/slam2d/edges.hpp"
+#include "plugins/slam2d/landmarks.hpp"
 #include "tests/support/edge_check.hpp"
 
 namespace graft {

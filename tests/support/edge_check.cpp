@@ -16,9 +16,9 @@ struct OneEdgeBatch {
     measurement = edge.measurement.data();
     resources = edge.resources.data();
     batch.struct_size = sizeof batch;
-    batch.arity = edge.type->arity;
-    batch.error_dim = edge.type->error_dim;
-    batch.measurement_dim = edge.type->measurement_dim;
+    batch.arity = std::int32_t(edge.slots.size());
+    batch.error_dim = edge.errorDim();
+    batch.measurement_dim = std::int32_t(edge.measurement.size());
     batch.resource_count = edge.type->resource_count;
     batch.count = 1;
     batch.vertices = pointers.data();
@@ -40,9 +40,18 @@ void require(int code, const graft_message& message) {
 
 }  // namespace
 
+std::int32_t EdgeUnderTest::errorDim() const {
+  if (type->arity != GRAFT_DYNAMIC) return type->error_dim;
+  std::int32_t errors = 0;
+  std::int32_t measurements = 0;
+  graft_message message = {};
+  require(type->shape(std::int32_t(slots.size()), &errors, &measurements, &message), message);
+  return errors;
+}
+
 Eigen::VectorXd EdgeUnderTest::error(const std::vector<std::vector<double>>& vertices) const {
   const OneEdgeBatch one(*this, vertices);
-  Eigen::VectorXd e(type->error_dim);
+  Eigen::VectorXd e(errorDim());
   graft_message message = {};
   require(type->evaluate(&one.batch, e.data(), nullptr, &message), message);
   return e;
@@ -52,9 +61,9 @@ Eigen::MatrixXd EdgeUnderTest::jacobian(const std::vector<std::vector<double>>& 
   const OneEdgeBatch one(*this, vertices);
   int columns = 0;
   for (const graft_vertex_type* slot : slots) columns += slot->tangent_dim;
-  Eigen::VectorXd e(type->error_dim);
+  Eigen::VectorXd e(errorDim());
   // An entry that is not written stays visible.
-  Eigen::MatrixXd j = Eigen::MatrixXd::Constant(type->error_dim, columns, 1e30);
+  Eigen::MatrixXd j = Eigen::MatrixXd::Constant(errorDim(), columns, 1e30);
   graft_message message = {};
   require(type->evaluate(&one.batch, e.data(), j.data(), &message), message);
   return j;

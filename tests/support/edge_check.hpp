@@ -15,6 +15,7 @@ struct EdgeUnderTest {
   std::vector<double> measurement;
   std::vector<const void*> resources;
 
+  std::int32_t errorDim() const;
   Eigen::VectorXd error(const std::vector<std::vector<double>>& vertices) const;
   /// error dim x sum of the tangent dims.
   Eigen::MatrixXd jacobian(const std::vector<std::vector<double>>& vertices) const;

@@ -22,27 +22,28 @@ struct FreeSpace : BaseFilter {
 /// the current one, without those whose footprint hits the map. For an upright
 /// base on the floor three of the six numbers vanish by construction; left are x,
 /// y and yaw of the base in the planar frame that moves and turns with the
-/// gripper's azimuth. The error measures the distance to the reachable *set*, a
-/// union of boxes in these coordinates: a pair that is reachable already is left
-/// alone (dead zone), and a coordinate in which the base lies within the bounds
-/// of the nearest box is free to move (point to plane rather than point to point,
-/// which would creep along the boundary). Association: which of the three
-/// coordinates are off (3), where they should be (3), and 1 or -1 if the gripper
-/// points up or down so far that its heading includes its roll.
+/// gripper's azimuth. The error measures the distance to the reachable *set*: a
+/// pair that is reachable already is left alone (dead zone), and otherwise only
+/// the step along the normal towards the nearest reachable pose counts (point to
+/// plane; point to point would creep along the boundary). Association: where the
+/// base should be (3), a and b (3 each, zero if reachable) of e = b (a' off), and 1
+/// or -1 if the gripper points up or down so far that its heading includes its roll.
 struct ReachabilityEdge : Edge<ReachabilityEdge, 3, SE3, BasePose>,
-                          Associated<7>,
+                          Associated<10>,
                           Using<ReachMap, FreeSpace> {
   static constexpr auto tag = "LFD_REACHABILITY";
   static constexpr auto doc = "E9: base where the arm reaches and the map is free (paper eq. 9)";
 
   template <class T>
   Vec<T, 3> error(const SE3<T>& gripper, const BasePose<T>& base) const {
+    const double* a = association + 3;
+    const double* b = association + 6;
     Vec<T, 3> e(T(0), T(0), T(0));
-    if (association[0] == 0 && association[1] == 0 && association[2] == 0) return e;
-    const SE2<T> seen = headingFrame(gripper, association[6]).inverse() * base;
-    if (association[0] != 0) e[0] = seen.x - association[3];
-    if (association[1] != 0) e[1] = seen.y - association[4];
-    if (association[2] != 0) e[2] = wrapAngle(T(seen.theta - association[5]));
+    if (a[0] == 0 && a[1] == 0 && a[2] == 0) return e;
+    const SE2<T> seen = headingFrame(gripper, association[9]).inverse() * base;
+    const T along = a[0] * (seen.x - association[0]) + a[1] * (seen.y - association[1]) +
+                    a[2] * wrapAngle(T(seen.theta - association[2]));
+    for (int i = 0; i < 3; ++i) e[i] = b[i] * along;
     return e;
   }
 
@@ -56,28 +57,31 @@ struct ReachabilityEdge : Edge<ReachabilityEdge, 3, SE3, BasePose>,
     const Pose2 frame = headingFrame(gripper, cap).inverse();
     const Pose2 seen = frame * base;
     const Pose2 wanted = frame * nearest.base;
-    // A coordinate that the projection left alone comes back within rounding.
-    constexpr double kSame = 1e-9;
-    const double off[3] = {seen.x - wanted.x, seen.y - wanted.y,
-                           wrapAngle(seen.theta - wanted.theta)};
-    bool changed = first || chosen[6] != cap;
+    // The unit normal n of the metric diag(sigma)^-2: a = n / sigma, b = n sigma.
+    const double sigma[3] = {sigma_t, sigma_t, sigma_r};
+    const double off[3] = {(seen.x - wanted.x) / sigma_t, (seen.y - wanted.y) / sigma_t,
+                           wrapAngle(seen.theta - wanted.theta) / sigma_r};
+    const double length = std::sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]);
+    const bool away = !nearest.inside && length > 0;
+    const bool was_away = chosen[3] != 0 || chosen[4] != 0 || chosen[5] != 0;
+    const bool changed = first || chosen[9] != cap || away != was_away;
+    wanted.toArray(chosen);
     for (int i = 0; i < 3; ++i) {
-      const double active = !nearest.inside && std::abs(off[i]) > kSame ? 1 : 0;
-      changed = changed || active != chosen[i];
-      chosen[i] = active;
+      const double normal = away ? off[i] / length : 0;
+      chosen[3 + i] = normal / sigma[i];
+      chosen[6 + i] = normal * sigma[i];
     }
-    wanted.toArray(chosen + 3);
-    chosen[6] = cap;
+    chosen[9] = cap;
     return changed;
   }
 
  private:
-  /// 1 or -1 where the reachability map folds the gripper's roll into its
-  /// heading because it points up or down, else 0.
-  double capOf(const Pose& gripper) const {
-    const ReachGrid& grid = resource<0>().grid();
-    const int ring = grid.ring((gripper.rotation * Vec<double, 3>(1, 0, 0))[2]);
-    return ring >= grid.turn / 4 ? 1 : ring <= -grid.turn / 4 ? -1 : 0;
+  /// 1 or -1 where the gripper points up or down so steeply that its azimuth
+  /// alone is no steady heading, else 0.
+  static double capOf(const Pose& gripper) {
+    constexpr double kSteep = 0.92387953251128674;  // sin(67.5 degrees)
+    const double up = (gripper.rotation * Vec<double, 3>(1, 0, 0))[2];
+    return up >= kSteep ? 1 : up <= -kSteep ? -1 : 0;
   }
   /// Planar frame at the gripper that turns with its heading: the azimuth a of
   /// the approach axis, or a + r (pointing up) and a - r (down) with the roll r of

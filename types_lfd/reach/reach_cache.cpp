@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Raised whenever the builder would give other cells for the same options.
-constexpr std::uint64_t kBuilderGeneration = 1;
+constexpr std::uint64_t kBuilderGeneration = 2;
 
 std::string absoluteFromEnvironment(const char* variable) {
   const char* value = std::getenv(variable);
@@ -46,7 +46,6 @@ std::string reachCacheName(const Chain& chain, const ReachOptions& options) {
   mix(hash, chain.hash());
   mix(hash, options.resolution);
   mix(hash, options.angular_step);
-  mix(hash, options.core);
   mix(hash, options.seed);
   mix(hash, options.new_cell_share);
   mix(hash, options.max_samples);

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "types_lfd/reach/reach_distance.hpp"
+#include "types_lfd/reach/tilt_slice.hpp"
+
 namespace graft::lfd {
 
 namespace {
@@ -19,27 +22,42 @@ std::string hex(std::uint64_t value) {
 
 BaseFilter::~BaseFilter() = default;
 
+double ReachMap::distance(const Pose& world_T_gripper, const Pose2& world_T_base) const {
+  const GripperView view = ReachGrid::view(world_T_gripper);
+  const TiltSlice slice(*this, view.position[2], view.elevation, view.roll);
+  return slice.at(baseInView(view, world_T_base)) * grid_.resolution /
+         ReachDistance::kDistanceUnits;
+}
+
 int ReachMap::quality(const Pose& world_T_gripper, const Pose2& world_T_base) const {
-  const GripperView view = grid_.view(world_T_gripper);
-  const int z = grid_.heightBin(view.position[2]);
-  if (z < 0 || z >= grid_.nz) return 0;
+  if (!contains(world_T_gripper, world_T_base)) return 0;
+  const GripperView view = ReachGrid::view(world_T_gripper);
   const Pose2 b = baseInView(view, world_T_base);
-  const double x = std::floor(b.x / grid_.resolution) - grid_.x0;
-  const double y = std::floor(b.y / grid_.resolution) - grid_.y0;
-  if (!(x >= 0 && x < grid_.nx && y >= 0 && y < grid_.ny)) return 0;
-  const auto psi = static_cast<std::size_t>(grid_.angleBin(b.theta));
-  const auto row = psi * static_cast<std::size_t>(grid_.ny) + static_cast<std::size_t>(y);
-  return cells_[grid_.slice(z, view.tilt) * grid_.sliceSize() +
-                row * static_cast<std::size_t>(grid_.nx) + static_cast<std::size_t>(x)];
+  const auto nearest = [](double value, int first, int count) {
+    return std::clamp(static_cast<int>(std::lround(value)) - first, 0, count - 1);
+  };
+  const double cell = grid_.fine * grid_.nodeStep();
+  const int ring = nearest(view.elevation / cell, -grid_.turn / 4, grid_.cellRings());
+  const int psi = static_cast<int>(std::lround(b.theta / cell));
+  const int quality = cells_[grid_.cell(
+      nearest(view.position[2] / grid_.resolution, grid_.z0, grid_.nz), ring,
+      (psi + grid_.turn) % grid_.turn, nearest(b.y / grid_.resolution, grid_.y0, grid_.ny),
+      nearest(b.x / grid_.resolution, grid_.x0, grid_.nx))];
+  // A cell may be reachable only away from its centre, where quality is taken.
+  return std::max(1, quality);
 }
 
 void ReachMap::setMargins(double margin_t, double margin_r) {
   if (!(margin_t >= 0 && margin_t < 0.5 * grid_.resolution && margin_r >= 0 &&
-        margin_r < 0.5 * grid_.step())) {
-    throw Error(ExitCode::kUsage, "margins of a reachability map have to be less than half a cell");
+        margin_r < grid_.nodeStep())) {
+    throw Error(
+        ExitCode::kUsage,
+        "margins of a reachability map have to be less than half a cell, and a node's distance");
   }
   margin_t_ = margin_t;
   margin_r_ = margin_r;
+  const double units = margin_t / grid_.resolution * ReachDistance::kDistanceUnits;
+  fillRows(1 + static_cast<int>(std::floor(units)), sure_);
 }
 
 void ReachMap::requireChain(const Chain& chain, const std::string& path) const {
@@ -52,26 +70,42 @@ void ReachMap::requireChain(const Chain& chain, const std::string& path) const {
 }
 
 void ReachMap::finish() {
+  const auto layers = grid_.sliceCount() * static_cast<std::size_t>(grid_.psiCount());
   filled_.assign(grid_.sliceCount(), 0);
+  extents_.assign(layers, Extent());
   reachable_cells_ = 0;
-  const std::size_t size = grid_.sliceSize();
-  for (std::size_t s = 0; s < filled_.size(); ++s) {
-    const auto* begin = cells_.data() + s * size;
-    filled_[s] = static_cast<std::uint32_t>(
-        std::count_if(begin, begin + size, [](std::uint8_t q) { return q != 0; }));
-    reachable_cells_ += filled_[s];
+  const std::int8_t* node = distances_.data();
+  for (std::size_t layer = 0; layer < layers; ++layer) {
+    Extent& extent = extents_[layer];
+    std::uint32_t count = 0;
+    for (int y = 0; y < grid_.ny; ++y) {
+      for (int x = 0; x < grid_.nx; ++x, ++node) {
+        if (*node <= 0) continue;
+        ++count;
+        extent.x_low = std::min(extent.x_low, static_cast<std::int16_t>(x));
+        extent.x_high = std::max(extent.x_high, static_cast<std::int16_t>(x));
+        extent.y_low = std::min(extent.y_low, static_cast<std::int16_t>(y));
+        extent.y_high = std::max(extent.y_high, static_cast<std::int16_t>(y));
+      }
+    }
+    filled_[layer / static_cast<std::size_t>(grid_.psiCount())] += count;
+    reachable_cells_ += count;
   }
-  margin_t_ = std::min(0.02, 0.4 * grid_.resolution);
-  margin_r_ = std::min(10 * 3.14159265358979323846 / 180, grid_.step() * 2 / 9);
+  fillRows(1, maybe_);
+  setMargins(0.2 * grid_.resolution, 0);
 }
 
-int ReachMap::nearestFilledHeight(int height_bin, int tilt) const {
-  int best = -1;
-  for (int z = 0; z < grid_.nz; ++z) {
-    if (filled_[grid_.slice(z, tilt)] == 0) continue;
-    if (best < 0 || std::abs(z - height_bin) < std::abs(best - height_bin)) best = z;
+void ReachMap::fillRows(int least, std::vector<std::uint64_t>& rows) const {
+  const auto words = static_cast<std::size_t>(grid_.rowWords());
+  const auto nx = static_cast<std::size_t>(grid_.nx);
+  const std::size_t count = distances_.size() / nx;
+  rows.assign(count * words, 0);
+  for (std::size_t row = 0; row < count; ++row) {
+    const std::int8_t* node = distances_.data() + row * nx;
+    for (std::size_t x = 0; x < nx; ++x) {
+      if (node[x] >= least) rows[row * words + x / 64] |= std::uint64_t{1} << (x % 64);
+    }
   }
-  return best;
 }
 
 }  // namespace graft::lfd

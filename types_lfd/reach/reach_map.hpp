@@ -18,15 +18,10 @@ struct ReachOptions {
   double resolution = 0.05;                          ///< m
   double angular_step = 3.14159265358979323846 / 4;  ///< rad; divides a quarter turn
   std::uint64_t seed = 1;
-  /// A cell counts as reachable if the arm reaches within this share of the
-  /// cell around its centre; 1 = if it reaches any pose of the cell that was
-  /// sampled, which lets the map reach further than the arm (always taken for
-  /// arms with less than six freedoms).
-  double core = 0.5;
   /// Sampling ends when doubling the samples adds less than this share of
-  /// cells, or at max_samples.
+  /// voxels (half a cell in x, y, z, angle), or at max_samples.
   double new_cell_share = 0.01;
-  std::uint64_t max_samples = std::uint64_t{1} << 24;
+  std::uint64_t max_samples = std::uint64_t{1} << 21;
   int threads = 0;  ///< 0 = all; the result is the same for any number
 };
 
@@ -55,8 +50,12 @@ struct NearestBase {
 
 /// Where an upright base can stand so that the gripper reaches a pose: the
 /// inverse reachability map of a mobile robot on a flat floor. Base poses are
-/// base_link in the plane z = 0; gripper poses are in space. Cells hold the best
-/// manipulability found in them; see ReachGrid for what a cell is.
+/// base_link in the plane z = 0; gripper poses are in space.
+///
+/// The map holds, at the nodes of a ReachGrid, the signed distance of the gripper
+/// (m, keeping its orientation) from the border of what the arm reaches, and in
+/// between interpolates it in all six coordinates. A pose is reachable where
+/// this is positive: the border runs between the nodes, not along the cells.
 /// Sources: Vahrenkamp, Asfour, Dillmann, "Robot placement based on reachability
 /// inversion", ICRA 2013 (oriented reachability maps); Rudorfer, "RM4D", ICRA
 /// 2025 (cells that share the rotation about the vertical).
@@ -74,30 +73,41 @@ class ReachMap {
   void save(const std::string& path) const;
 
   bool contains(const Pose& world_T_gripper, const Pose2& world_T_base) const {
-    return quality(world_T_gripper, world_T_base) > 0;
+    return distance(world_T_gripper, world_T_base) > 0;
   }
+  /// Signed distance (m) from the border of what is reachable, positive inside,
+  /// saturated at 6.35 times the resolution.
+  double distance(const Pose& world_T_gripper, const Pose2& world_T_base) const;
   /// 0 = not reachable; 1 .. 255 = best manipulability found in the cell, 255
   /// being the arm's best (Yoshikawa's measure, 1985).
   int quality(const Pose& world_T_gripper, const Pose2& world_T_base) const;
 
-  /// The base pose nearest to the query that reaches the gripper pose: the
-  /// nearest point of all feasible cells of the pose's height and tilt. Faces
-  /// towards infeasible cells keep a margin (setMargins), so that a result
-  /// stays inside under rounding and small motions. With a filter: the nearest
-  /// over cells of the point of each that is nearest to the query, if free.
+  /// The base pose nearest to the query that reaches the gripper pose and keeps
+  /// the margins: the query itself, or else the nearest point of all boxes
+  /// between neighbouring nodes (x, y, psi) in which all poses do, drawn back
+  /// towards the query, by a cell at most, to where the margins begin. With a
+  /// filter: the first box, nearest first, where that (or its nearest point) is
+  /// free.
   NearestBase nearest(const Pose& world_T_gripper, const Pose2& world_T_base, double sigma_t,
                       double sigma_r, const BaseFilter* filter = nullptr) const;
 
-  /// Distance (m) and angle (rad) kept from infeasible cells by nearest();
-  /// less than half a cell. Default 0.02 m and 10 degrees, at most 2/5 and 2/9 of
-  /// a cell: the outer part of a cell at the border is often out of reach, and
-  /// projections would end there.
+  /// What nearest() keeps: the distance (m) from the border, also when the base
+  /// turns by margin_r (rad) to either side. Less than half a cell and a node's distance. Default:
+  /// a fifth of a cell, and 0.
   void setMargins(double margin_t, double margin_r);
   double marginT() const { return margin_t_; }
   double marginR() const { return margin_r_; }
 
   /// Throws Error(kInput) unless the map was built for this chain.
   void requireChain(const Chain& chain, const std::string& path) const;
+
+  /// Nodes within which a layer (psi) has any that are reachable, inclusive.
+  struct Extent {
+    std::int16_t x_low = 32767;
+    std::int16_t x_high = -1;
+    std::int16_t y_low = 32767;
+    std::int16_t y_high = -1;
+  };
 
   const ReachGrid& grid() const { return grid_; }
   const std::string& robotName() const { return robot_; }
@@ -106,25 +116,32 @@ class ReachMap {
   std::uint64_t chainHash() const { return chain_hash_; }
   std::uint64_t seed() const { return seed_; }
   std::uint64_t samples() const { return samples_; }
-  /// Share of the map's cells that half of the samples had found already.
+  /// Share of the map's voxels that half of the samples had found already.
   double coverage() const { return coverage_; }
-  /// Reachable cells.
+  /// Nodes that are reachable.
   std::uint64_t reachableCells() const { return reachable_cells_; }
-  /// Quality bytes in ReachGrid's order (height, tilt, psi, y, x).
+  /// Quality bytes by ReachGrid::cell.
   const std::vector<std::uint8_t>& cells() const { return cells_; }
+  /// Distances in ReachGrid's order (height, elevation, roll, psi, y, x), in
+  /// units of a twentieth of the resolution.
+  const std::vector<std::int8_t>& distances() const { return distances_; }
 
  private:
   friend class ReachBuilder;
-  friend class SliceSearch;
+  friend class TiltSlice;
   ReachMap() = default;
 
-  /// Fills what follows from grid_ and cells_.
+  /// Fills what follows from the grid and the distances.
   void finish();
-  int nearestFilledHeight(int height_bin, int tilt) const;
-
+  void fillRows(int least, std::vector<std::uint64_t>& rows) const;
   ReachGrid grid_;
+  std::vector<std::int8_t> distances_;
   std::vector<std::uint8_t> cells_;
-  std::vector<std::uint32_t> filled_;  // reachable cells per slice
+  std::vector<std::uint32_t> filled_;  // reachable nodes per slice
+  std::vector<Extent> extents_;        // per slice and psi
+  // A bit per node: may be reachable in between, and keeps margin_t.
+  std::vector<std::uint64_t> maybe_;
+  std::vector<std::uint64_t> sure_;
   std::uint64_t reachable_cells_ = 0;
   std::string robot_;
   std::string base_link_;

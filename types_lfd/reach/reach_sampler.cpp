@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "types_lfd/reach/reach_sampler.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -10,11 +11,26 @@ namespace graft::lfd {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kFullTurn = 2 * kPi - 1e-9;
+constexpr double kFullTurn = 2 * kPi - 1e-3;
+constexpr int kCorrections = 4;
+constexpr double kAligned = 2e-3;    // rad
+constexpr double kFreeMatch = 0.06;  // rad
 
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
+/// The turn in the range that equals `turn` modulo full turns, if any.
+template <class Range>
+bool inRange(double& turn, const Range& range) {
+  turn -= 2 * kPi * std::floor((turn - range.low) / (2 * kPi));
+  return turn <= range.high || range.high - range.low >= kFullTurn;
+}
+
 }  // namespace
+
+bool anyRoll(const Chain& chain) {
+  const int last = chain.dof() - 1;
+  return chain.lastJointRolls() && chain.upper()[last] - chain.lower()[last] >= kFullTurn;
+}
 
 double manipulability(const Chain::Jacobian& jacobian) {
   if (jacobian.cols() >= 6) {
@@ -25,27 +41,25 @@ double manipulability(const Chain::Jacobian& jacobian) {
   return std::sqrt(std::max(0.0, gram.determinant()));
 }
 
-/// A gripper pose with all swept joints at 0, split as ReachGrid does.
+/// A gripper pose with all swept joints at 0.
 struct ReachSampler::Sample {
   Eigen::VectorXd q;
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d position;
+  Pose pose;
+  Chain::Jacobian jacobian;
+  GripperView view;
   int ring = 0;
-  double azimuth = 0;
-  double roll = 0;
+  std::uint8_t quality = 0;
 };
 
-ReachSampler::ReachSampler(const Chain& chain, const ReachGrid& grid, double core,
+ReachSampler::ReachSampler(const Chain& chain, const ReachGrid& grid, bool thin,
                            double best_manipulability)
     : chain_(chain),
       grid_(grid),
-      half_core_(0.5 * core),
-      half_core_angle_(0.5 * core * grid.step()),
+      thin_(thin),
       best_(best_manipulability),
       torso_(chain.heightJoint()),
-      // With all of a cell as its core, psi is what was sampled, not a centre.
-      pan_(core < 1 ? chain.panJoint() : -1),
-      rolls_(chain.lastJointRolls()) {
+      pan_(thin ? -1 : chain.panJoint()),
+      rolls_(!thin && chain.lastJointRolls()) {
   const auto range = [&](int joint, double sign) {
     const double a = sign * chain.lower()[joint];
     const double b = sign * chain.upper()[joint];
@@ -57,121 +71,191 @@ ReachSampler::ReachSampler(const Chain& chain, const ReachGrid& grid, double cor
     pan_origin_ = chain.panOrigin();
   }
   if (rolls_) roll_range_ = range(chain.dof() - 1, chain.rollSign());
-  for (int p = 0; p < grid.turn; ++p) {
-    // Heading -psi in the base's frame.
-    turned_pan_origin_.push_back(Eigen::Rotation2Dd(p * grid.step()) * pan_origin_);
+  for (int j = 0; j < chain.dof(); ++j) {
+    if (j != torso_ && j != pan_ && !(rolls_ && j == chain.dof() - 1)) sampled_.push_back(j);
   }
 }
 
 void ReachSampler::run(std::mt19937_64& random, std::uint64_t count, ReachMarks& marks) const {
   Sample s;
   s.q = Eigen::VectorXd::Zero(chain_.dof());
+  s.jacobian.resize(6, chain_.dof());
   for (std::uint64_t i = 0; i < count; ++i) {
-    for (int j = 0; j < chain_.dof(); ++j) {
-      if (j == torso_ || j == pan_ || (rolls_ && j == chain_.dof() - 1)) continue;
+    for (const int j : sampled_) {
       s.q[j] = chain_.lower()[j] + uniform(random) * (chain_.upper()[j] - chain_.lower()[j]);
     }
-    chain_.forward(s.q.data(), s.rotation, s.position);
-    const double elevation = std::asin(std::clamp(s.rotation(2, 0), -1.0, 1.0));
-    s.ring = static_cast<int>(std::lround(elevation / grid_.step()));
-    if (std::abs(elevation - s.ring * grid_.step()) > half_core_angle_) continue;
-    ReachGrid::split(s.rotation, s.azimuth, s.roll);
-    if (std::abs(s.ring) < grid_.turn / 4) {
-      markRing(s, marks);
+    if (thin_) {
+      chain_.jacobian(s.q.data(), s.pose, s.jacobian);
+      s.view = ReachGrid::view(s.pose);
+      s.quality = quality(s);
+      markAround(s, marks);
+      continue;
+    }
+    if (!toNode(s)) continue;
+    s.quality = quality(s);
+    if (s.ring == 0 || s.ring == grid_.ringCount() - 1) {
+      markPole(s, random, marks);
     } else {
-      markCap(s, random, marks);
+      markRing(s, marks);
     }
   }
 }
 
-bool ReachSampler::turnsTo(double angle, double target, Range range) const {
-  if (range.high - range.low >= kFullTurn) return true;
-  // The turn that is needed, as the first at or above the range's low end.
-  const double low = range.low - half_core_angle_;
-  const double turn = target - angle;
-  const double first = turn - 2 * kPi * std::floor((turn - low) / (2 * kPi));
-  return first <= range.high + half_core_angle_;
+int ReachSampler::wrapPsi(int psi) const {
+  const int count = grid_.psiCount();
+  return ((psi % count) + count) % count;
+}
+
+/// Least motion of the sampled joints that turns the gripper to the nearest
+/// node: the approach axis, and what of azimuth and roll is not swept.
+bool ReachSampler::toNode(Sample& s) const {
+  chain_.jacobian(s.q.data(), s.pose, s.jacobian);
+  s.view = ReachGrid::view(s.pose);
+  s.ring = static_cast<int>(std::lround(s.view.elevation / grid_.nodeStep())) + grid_.level();
+  const double elevation = grid_.elevationOf(s.ring);
+  const bool pole = s.ring == 0 || s.ring == grid_.ringCount() - 1;
+  // On a pole the combined heading may be whatever it is.
+  double azimuth = s.view.heading;
+  double roll = s.view.roll;
+  if (!pole) {
+    if (pan_ < 0) azimuth = grid_.nodeStep() * std::round(azimuth / grid_.nodeStep());
+    if (!rolls_) roll = grid_.rollStep() * std::round(roll / grid_.rollStep());
+  }
+  const bool fix_roll = !rolls_ && !pole;
+  const Eigen::Vector3d approach(std::cos(elevation) * std::cos(azimuth),
+                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+  const Eigen::Quaterniond target = Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()) *
+                                    Eigen::AngleAxisd(-elevation, Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
+  for (int iteration = 0;; ++iteration) {
+    const Eigen::Vector3d x = s.pose.rotation * Eigen::Vector3d::UnitX();
+    Eigen::Vector3d turn = x.cross(approach);
+    if (fix_roll) turn = logSO3(Eigen::Quaterniond(target * s.pose.rotation.conjugate()));
+    if (turn.norm() < kAligned) break;
+    if (iteration == kCorrections) return false;
+    Eigen::Matrix3d gram = Eigen::Matrix3d::Zero();
+    const auto row = [&](int j) {
+      Eigen::Vector3d axis = s.jacobian.col(j).tail<3>();
+      if (!fix_roll) axis -= x.dot(axis) * x;
+      return axis;
+    };
+    for (const int j : sampled_) {
+      const Eigen::Vector3d axis = row(j);
+      gram += axis * axis.transpose();
+    }
+    gram.diagonal().array() += 1e-6;
+    const Eigen::Vector3d weights = gram.llt().solve(turn);
+    for (const int j : sampled_) {
+      const double q = s.q[j] + row(j).dot(weights);
+      s.q[j] = chain_.continuous(j) ? q : std::clamp(q, chain_.lower()[j], chain_.upper()[j]);
+    }
+    chain_.jacobian(s.q.data(), s.pose, s.jacobian);
+  }
+  s.view = ReachGrid::view(s.pose);
+  return true;
 }
 
 void ReachSampler::markRing(const Sample& s, ReachMarks& marks) const {
-  const Eigen::Vector2d from_pan =
-      Eigen::Rotation2Dd(-s.azimuth) * (s.position.head<2>() - pan_origin_);
-  const Range rolls{s.roll + roll_range_.low, s.roll + roll_range_.high};
-  for (int p = 0; p < grid_.turn; ++p) {
-    if (!turnsTo(s.azimuth, -p * grid_.step(), pans_)) continue;
-    const Eigen::Vector2d u = -(turned_pan_origin_[static_cast<std::size_t>(p)] + from_pan);
-    mark(s, u[0], u[1], p, rolls, marks);
+  const Eigen::Vector2d from_pan = s.pose.translation.head<2>() - pan_origin_;
+  const double step = grid_.nodeStep();
+  // Rolls that the last joint turns to, once for all psi.
+  int rolls[ReachGrid::kMostTurn];
+  int count = 0;
+  if (grid_.rolls == 1) {
+    rolls[count++] = 0;
+  } else if (rolls_) {
+    for (int r = 0; r < grid_.rolls; ++r) {
+      double turn = r * grid_.rollStep() - s.view.roll;
+      if (inRange(turn, roll_range_)) rolls[count++] = r;
+    }
+  } else {
+    const int r = static_cast<int>(std::lround(s.view.roll / grid_.rollStep()));
+    rolls[count++] = (r + grid_.rolls) % grid_.rolls;
   }
-}
-
-void ReachSampler::markCap(const Sample& s, std::mt19937_64& random, ReachMarks& marks) const {
-  const double sign = s.ring > 0 ? 1 : -1;
-  const double heading = s.azimuth + sign * s.roll;
-  const Eigen::Vector2d from_pan = s.position.head<2>() - pan_origin_;
-  const auto markAt = [&](int p, const Eigen::Vector2d& position) {
-    const Eigen::Vector2d u = -(Eigen::Rotation2Dd(p * grid_.step()) * position);
-    mark(s, u[0], u[1], p, {0, 0}, marks);
-  };
-  if (!rolls_) {
-    for (int p = 0; p < grid_.turn; ++p) {
-      const double target = -p * grid_.step();
-      if (!turnsTo(heading, target, pans_)) continue;
-      const double turn = pan_ >= 0 ? target - heading : 0;
-      markAt(p, pan_origin_ + Eigen::Rotation2Dd(turn) * from_pan);
+  if (pan_ < 0) {
+    const int psi = wrapPsi(-static_cast<int>(std::lround(s.view.heading / step)));
+    for (int k = 0; k < count; ++k) {
+      mark(s, s.pose.translation.head<2>(), s.ring, rolls[k], psi, marks);
     }
     return;
   }
-  const Range headings = sign > 0 ? roll_range_ : Range{-roll_range_.high, -roll_range_.low};
-  const int strata = pan_ >= 0 ? grid_.turn : 1;
-  for (int k = 0; k < strata; ++k) {
-    const double turn = pans_.low + (pans_.high - pans_.low) * (k + uniform(random)) / strata;
+  for (int p = 0; p < grid_.psiCount(); ++p) {
+    double turn = -p * step - s.view.heading;
+    if (!inRange(turn, pans_)) continue;
     const Eigen::Vector2d position = pan_origin_ + Eigen::Rotation2Dd(turn) * from_pan;
-    for (int p = 0; p < grid_.turn; ++p) {
-      if (turnsTo(heading + turn, -p * grid_.step(), headings)) markAt(p, position);
+    for (int k = 0; k < count; ++k) mark(s, position, s.ring, rolls[k], p, marks);
+  }
+}
+
+/// Straight up or down heading and roll turn about the same axis: their sum
+/// (or difference) has to be right, and the pan joint has a choice.
+void ReachSampler::markPole(const Sample& s, std::mt19937_64& random, ReachMarks& marks) const {
+  const double sign = s.ring > 0 ? 1 : -1;
+  const double combined = s.view.heading + sign * s.view.roll;
+  const Eigen::Vector2d from_pan = s.pose.translation.head<2>() - pan_origin_;
+  const int strata = pan_ >= 0 && rolls_ ? grid_.turn : 1;
+  for (int k = 0; k < strata; ++k) {
+    const double share = pan_ >= 0 && rolls_ ? (k + uniform(random)) / strata : 0;
+    const double pan = pans_.low + (pans_.high - pans_.low) * share;
+    for (int p = 0; p < grid_.psiCount(); ++p) {
+      for (int r = 0; r < grid_.rolls; ++r) {
+        const double needed = -p * grid_.nodeStep() + sign * r * grid_.rollStep() - combined;
+        double turn = 0;
+        if (rolls_) {
+          double roll = sign * (needed - pan);
+          if (!inRange(roll, roll_range_)) continue;
+          turn = pan_ >= 0 ? pan : 0;
+        } else if (pan_ >= 0) {
+          turn = needed;
+          if (!inRange(turn, pans_)) continue;
+        } else if (std::abs(wrapAngle(needed)) > kFreeMatch) {
+          continue;
+        }
+        mark(s, pan_origin_ + Eigen::Rotation2Dd(turn) * from_pan, s.ring, r, p, marks);
+      }
     }
   }
 }
 
-void ReachSampler::mark(const Sample& s, double ux, double uy, int psi, Range rolls,
-                        ReachMarks& marks) const {
-  const double cx = ux / grid_.resolution - 0.5;
-  const double cy = uy / grid_.resolution - 0.5;
-  const double x_near = std::round(cx);
-  const double y_near = std::round(cy);
-  if (std::abs(cx - x_near) > half_core_ || std::abs(cy - y_near) > half_core_) return;
-  const int x = static_cast<int>(x_near) - grid_.x0;
-  const int y = static_cast<int>(y_near) - grid_.y0;
-  if (x < 0 || y < 0 || x >= grid_.nx || y >= grid_.ny) return;
-  const auto bins = [&](double low, double high, double size, double offset) {
-    return std::pair<int, int>(static_cast<int>(std::ceil(low / size - offset - half_core_)),
-                               static_cast<int>(std::floor(high / size - offset + half_core_)));
-  };
-  const auto [z_low, z_high] =
-      bins(s.position[2] + heights_.low, s.position[2] + heights_.high, grid_.resolution, 0.5);
-  const int z_first = std::max(0, z_low - grid_.z0);
-  const int z_last = std::min(grid_.nz - 1, z_high - grid_.z0);
-  if (z_first > z_last) return;
-  const std::size_t column = marks.column(s.ring, psi, y, x);
-  if (std::abs(s.ring) == grid_.turn / 4) {
-    marks.raise(column, 0, z_first, z_last, quality(s));
-    return;
+void ReachSampler::markAround(const Sample& s, ReachMarks& marks) const {
+  const double ring = s.view.elevation / grid_.nodeStep() + grid_.level();
+  const double psi = -s.view.heading / grid_.nodeStep();
+  const double roll = s.view.roll / grid_.rollStep();
+  for (const double k : {std::floor(ring), std::ceil(ring)}) {
+    const int row = std::clamp(static_cast<int>(k), 0, grid_.ringCount() - 1);
+    for (const double p : {std::floor(psi), std::ceil(psi)}) {
+      // Seen from the gripper the base stands where it does, whatever the node.
+      const Eigen::Vector2d position =
+          Eigen::Rotation2Dd(-p * grid_.nodeStep() - s.view.heading) * s.pose.translation.head<2>();
+      for (const double r : {std::floor(roll), std::ceil(roll)}) {
+        const int turned = (static_cast<int>(r) % grid_.rolls + grid_.rolls) % grid_.rolls;
+        mark(s, position, row, turned, wrapPsi(static_cast<int>(p)), marks);
+      }
+    }
   }
-  const auto [roll_first, roll_high] = bins(rolls.low, rolls.high, grid_.step(), 0);
-  const int roll_last = std::min(roll_high, roll_first + grid_.turn - 1);
-  if (roll_first > roll_last) return;
-  const std::uint8_t q = quality(s);
-  for (int bin = roll_first; bin <= roll_last; ++bin) {
-    marks.raise(column, ((bin % grid_.turn) + grid_.turn) % grid_.turn, z_first, z_last, q);
+}
+
+void ReachSampler::mark(const Sample& s, const Eigen::Vector2d& position, int ring, int roll,
+                        int psi, ReachMarks& marks) const {
+  const double voxel = marks.voxel();
+  const Eigen::Vector2d u = -(Eigen::Rotation2Dd(psi * grid_.nodeStep()) * position);
+  const int x = static_cast<int>(std::lround(u[0] / voxel)) - 2 * grid_.x0;
+  const int y = static_cast<int>(std::lround(u[1] / voxel)) - 2 * grid_.y0;
+  const double z = s.pose.translation[2];
+  const int low = static_cast<int>(std::lround((z + heights_.low) / voxel)) - 2 * grid_.z0;
+  const int high = static_cast<int>(std::lround((z + heights_.high) / voxel)) - 2 * grid_.z0;
+  if (x < 0 || y < 0 || low < 0 || x >= marks.nx() || y >= marks.ny() || high >= marks.nz()) return;
+  marks.mark(ring, roll, psi, y, x, low, high);
+  if (ring % grid_.fine != 0 || psi % grid_.fine != 0) return;
+  for (int k = (low + 1) / 2; k <= high / 2; ++k) {
+    marks.raise(grid_.cell(k, ring / grid_.fine, psi / grid_.fine, y / 2, x / 2), s.quality);
   }
 }
 
 /// Neither torso, pan nor the last roll change the manipulability.
 std::uint8_t ReachSampler::quality(const Sample& s) const {
   if (!(best_ > 0)) return 1;
-  Chain::Jacobian jacobian(6, chain_.dof());
-  Pose pose;
-  chain_.jacobian(s.q.data(), pose, jacobian);
-  const double share = manipulability(jacobian) / best_;
+  const double share = manipulability(s.jacobian) / best_;
   return static_cast<std::uint8_t>(1 + std::clamp(std::floor(255 * share), 0.0, 254.0));
 }
 

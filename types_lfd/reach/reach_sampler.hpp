@@ -9,17 +9,19 @@
 
 namespace graft::lfd {
 
-/// Marks cells from random joint vectors. A cell is reachable if its centre is,
-/// within a share `core` of the cell in each direction: marking a cell for any
-/// pose in it would let a map reach up to a cell further than the arm.
+/// Marks voxels from random joint vectors, at exactly the orientations of the
+/// nodes: each joint vector is first corrected (Newton's method, within the
+/// limits) until its gripper has the nearest node's orientation.
 ///
-/// Joints whose effect on the cell is known in closed form are not sampled but
-/// swept, and hit centres exactly: a torso (height), a first joint about the
-/// vertical (psi, with the base moving on a circle), a last joint about the
-/// approach axis (roll; in a cap, where roll turns the heading, psi).
+/// Joints whose effect is known in closed form are not sampled but swept: a
+/// torso (height), a first joint about the vertical (psi, the base moving on a
+/// circle), a last joint about the approach axis (roll).
+///
+/// Arms with less than six freedoms cannot be corrected: what they reach is
+/// thin. There all nodes around each sample are marked.
 class ReachSampler {
  public:
-  ReachSampler(const Chain& chain, const ReachGrid& grid, double core, double best_manipulability);
+  ReachSampler(const Chain& chain, const ReachGrid& grid, bool thin, double best_manipulability);
 
   /// Draws and marks `count` joint vectors.
   void run(std::mt19937_64& random, std::uint64_t count, ReachMarks& marks) const;
@@ -31,19 +33,19 @@ class ReachSampler {
   };
   struct Sample;
 
+  bool toNode(Sample& sample) const;
   void markRing(const Sample& sample, ReachMarks& marks) const;
-  void markCap(const Sample& sample, std::mt19937_64& random, ReachMarks& marks) const;
-  void mark(const Sample& sample, double x, double y, int psi, Range rolls,
+  void markPole(const Sample& sample, std::mt19937_64& random, ReachMarks& marks) const;
+  void markAround(const Sample& sample, ReachMarks& marks) const;
+  /// `position`: of the gripper seen from the base, which looks along psi.
+  void mark(const Sample& sample, const Eigen::Vector2d& position, int ring, int roll, int psi,
             ReachMarks& marks) const;
   std::uint8_t quality(const Sample& sample) const;
-  /// Can the angle be brought within half a core of `target` by adding
-  /// something of the range?
-  bool turnsTo(double angle, double target, Range range) const;
+  int wrapPsi(int psi) const;
 
   const Chain& chain_;
   ReachGrid grid_;
-  double half_core_;
-  double half_core_angle_;
+  bool thin_;
   double best_;
   int torso_;
   int pan_;
@@ -52,8 +54,11 @@ class ReachSampler {
   Range pans_{0, 0};
   Range roll_range_{0, 0};
   Eigen::Vector2d pan_origin_ = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2d> turned_pan_origin_;  // per psi
+  std::vector<int> sampled_;  // joints that are not swept
 };
+
+/// True if every roll of the gripper is as good as any other.
+bool anyRoll(const Chain& chain);
 
 /// Yoshikawa's manipulability: the product of the Jacobian's singular values.
 /// Source: Yoshikawa, "Manipulability of robotic mechanisms", IJRR 1985.

@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
     , BadPlugin,
     ::testing::Values(
         BadCase{"major", "plugin ABI mismatch: abi_major is 99, this program has 1", false},
-        BadCase{"minor", "abi_minor is 1, this program has 0 \\(it is newer\\)", false},
+        BadCase{"minor", "abi_minor is [0-9]+, this program has [0-9]+ \\(it is newer\\)", false},
         BadCase{"size", "size_of_edge_type is [0-9]+, this program has [0-9]+", false},
         BadCase{"sanitizer", "sanitizers is [0-9], this program has [0-9]", false},
         BadCase{"isa", "needs a processor with unknown features", false},

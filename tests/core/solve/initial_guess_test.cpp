@@ -72,7 +72,7 @@ TEST(SpreadEstimates, AutoTakesWhatHasTheLowerChi2) {
     g.edge("TEST_BETWEEN2", {0, 2}, {2.3, 0, 0});
     g.edge("TEST_BETWEEN2", {0, 2}, {1.9, 0, 0}, {5, 0, 0, 5, 0, 5});
     const Summary summary = optimize(g.graph, g.values, testRegistry());
-    EXPECT_EQ(summary.used_spanning_tree, !good);
+    EXPECT_EQ(summary.start, good ? StartKind::kGiven : StartKind::kSpanningTree);
     EXPECT_LE(summary.chi2_start, summary.chi2_initial);
     EXPECT_EQ(summary.status, Status::kConverged);
   }

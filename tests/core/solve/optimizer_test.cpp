@@ -82,7 +82,7 @@ TEST(Optimize, FindsTheTruthOfNoiseFreePoseGraphs) {
     const Summary summary = optimize(g.graph, g.values, testRegistry(), options);
     EXPECT_EQ(summary.status, Status::kConverged) << summary.reason;
     EXPECT_LT(summary.chi2_final, 1e-18);
-    EXPECT_FALSE(summary.used_spanning_tree);
+    EXPECT_EQ(summary.start, StartKind::kGiven);
     // Zero residuals: the last full steps converge quadratically.
     const auto& iterations = summary.iterations;
     ASSERT_GE(iterations.size(), 4u);
@@ -99,7 +99,7 @@ TEST(Optimize, FindsTheTruthOfNoiseFreePoseGraphs) {
 TEST(Optimize, SpanningTreeSolvesNoiseFreeGraphsAtOnce) {
   TestGraph g = assemble(makePoseGraph(150, 0, 1.5, 4));
   const Summary summary = optimize(g.graph, g.values, testRegistry());
-  EXPECT_TRUE(summary.used_spanning_tree);
+  EXPECT_EQ(summary.start, StartKind::kSpanningTree);
   EXPECT_GT(summary.chi2_initial, 1);
   EXPECT_LT(summary.chi2_start, 1e-18);
   EXPECT_EQ(summary.status, Status::kConverged);
@@ -255,6 +255,35 @@ TEST(Optimize, AssociationsFollowTheStateAndNeverRaiseChi2) {
       changed += summary.iterations[i].associations_changed;
     }
     EXPECT_EQ(summary.associations_changed, changed);
+  }
+}
+
+TEST(Optimize, AssociationToleranceEndsGraphsWithChoicesOnly) {
+  for (const bool choices : {false, true}) {
+    TestGraph g;
+    g.point(1, 20, 0);
+    g.point(2, 3, 2);
+    g.edge("TEST_PRIOR", {1}, {0.5, 0}, {4, 0, 4});
+    g.edge("TEST_RANGE", {1, 2}, {3}, {2});
+    g.edge("TEST_RANGE", {1, 2}, {4}, {1});
+    g.edge("TEST_PRIOR", {2}, {1, 1});
+    if (choices) g.edge("TEST_NEAREST", {1}, {0, 0, 4, 1, 9, -2});
+    SolveOptions options = optionsFor(Algorithm::kLevenbergMarquardt);
+    Values values = g.values;
+    const Summary fine = optimize(g.graph, values, testRegistry(), options);
+    options.association_tolerance = 0.01;
+    values = g.values;
+    const Summary coarse = optimize(g.graph, values, testRegistry(), options);
+    if (!choices) {
+      EXPECT_EQ(coarse.iterations.size(), fine.iterations.size());
+      continue;
+    }
+    EXPECT_LT(coarse.iterations.size(), fine.iterations.size());
+    EXPECT_NE(coarse.reason.find("association_tolerance"), std::string::npos) << coarse.reason;
+    for (std::size_t i = 1; i < coarse.iterations.size(); ++i) {
+      const bool small = coarse.iterations[i].chi2_change <= 0.01 * coarse.iterations[i - 1].chi2;
+      EXPECT_EQ(small, i + 1 == coarse.iterations.size()) << "iteration " << i;
+    }
   }
 }
 

@@ -246,6 +246,9 @@ TEST(Optimize, RefusesBadOptions) {
   options.function_tolerance = std::numeric_limits<double>::quiet_NaN();
   expectUsage(options, "function_tolerance");
   options = {};
+  options.association_tolerance = -1;
+  expectUsage(options, "association_tolerance");
+  options = {};
   options.initial_damping = 0;
   expectUsage(options, "initial_damping");
 }

@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
                       PlantedFault{"plus_zero", "", "plus.zero", "x plus 0 is not x"},
                       PlantedFault{"plus_in_place", "", "plus.in_place", "in place"},
                       PlantedFault{"plus_before", "", "plus.overrun", "before the begin"},
-                      PlantedFault{"minus_swapped", "", "minus.inverse", "is not d"},
+                      PlantedFault{"minus_swapped", "", "minus.inverse", "is not y"},
                       PlantedFault{"minus_unwritten", "", "minus.written", "number 2 of 2"},
                       PlantedFault{"minus_hangs", "", "minus.zero", "no answer within 0.5 s"}),
     [](const auto& info) {

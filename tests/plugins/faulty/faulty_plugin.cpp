@@ -244,6 +244,7 @@ graft_edge_type sumType() {
   type.fields = "";
   type.arity = type.error_dim = type.measurement_dim = GRAFT_DYNAMIC;
   type.slot_types = kSlots;
+  type.dynamic_slots = 1;
   type.shape = &shape;
   type.normalize = &normalizeNothing;
   type.evaluate = &evaluateSum;

@@ -31,7 +31,8 @@ constexpr std::size_t kCoverageAt = 64;
 constexpr std::size_t kResolutionAt = 80;
 constexpr std::size_t kTurnAt = 88;
 constexpr std::size_t kNxAt = 104;
-constexpr std::size_t kNamesAt = 120;
+constexpr std::size_t kRollsAt = 116;
+constexpr std::size_t kNamesAt = 128;
 
 std::string savedMap() {
   static const std::string content = [] {
@@ -93,6 +94,9 @@ TEST(ReachFile, RoundTrips) {
   smallMap().save(path);
   const ReachMap map = ReachMap::load(path);
   EXPECT_EQ(map.cells(), smallMap().cells());
+  EXPECT_EQ(map.distances(), smallMap().distances());
+  EXPECT_EQ(map.grid().rolls, smallMap().grid().rolls);
+  EXPECT_EQ(map.grid().fine, smallMap().grid().fine);
   EXPECT_EQ(map.robotName(), "small");
   EXPECT_EQ(map.baseLink(), "base");
   EXPECT_EQ(map.tipLink(), "tool");
@@ -119,7 +123,7 @@ TEST(ReachFile, NamesTheDefect) {
       {"", "not a graft reachability map"},
       {"hello, this is some other file, long enough", "not a graft reachability map"},
       {"GRAFTIRM", "truncated: the header has 32 bytes, the file has 8"},
-      {withValue(kVersionAt, std::uint32_t{7}), "version 7, this build reads 1"},
+      {withValue(kVersionAt, std::uint32_t{7}), "version 7, this build reads 2"},
       {withValue(8, std::uint32_t{0x04030201}), "big-endian"},
       {savedMap() + "x", "bytes were added"},
       {withValue(kChecksumAt, std::uint64_t{1}), "checksum"},
@@ -129,12 +133,17 @@ TEST(ReachFile, NamesTheDefect) {
       {sealedWith(kCoverageAt, 2.0), "the coverage is 2"},
       {sealedWith(kTurnAt, 7), "not a multiple of 4"},
       {sealedWith(kTurnAt, 0), "angular cells is 0"},
-      {sealedWith(kTurnAt, 16), "does not fit"},
-      {sealedWith(kNxAt, 0), "cells in x is 0"},
-      {sealedWith(kNxAt, -1), "cells in x is -1"},
-      {sealedWith(kNxAt, 1 << 20), "does not fit"},
-      {sealedWith(kNxAt, std::numeric_limits<std::int32_t>::max()), "cells in x is 2147483647"},
-      {sealedWith(kReachableAt, std::uint64_t{5}), "counts 5 reachable cells"},
+      {sealedWith(kTurnAt, 16), "do not fit the grid"},
+      {sealedWith(kTurnAt, 76), "angular cells is 76"},
+      {sealedWith(kRollsAt, 3), "nodes in roll is neither"},
+      {sealedWith(kRollsAt, 0), "nodes in roll is 0"},
+      {sealedWith(kRollsAt + 4, 3), "nodes per cell is 3"},
+      {sealedWith(kRollsAt + 8, 1), "reserved"},
+      {sealedWith(kNxAt, 0), "nodes in x is 0"},
+      {sealedWith(kNxAt, -1), "nodes in x is -1"},
+      {sealedWith(kNxAt, 20), "do not fit the grid"},
+      {sealedWith(kNxAt, std::numeric_limits<std::int32_t>::max()), "nodes in x is 2147483647"},
+      {sealedWith(kReachableAt, std::uint64_t{5}), "counts 5 reachable nodes"},
       {sealedWith(kNamesAt, std::uint32_t{0xffffffff}), "longer than 4096"},
       {sealedWith(kNamesAt, std::uint32_t{4000}), ""},
   };
@@ -145,12 +154,10 @@ TEST(ReachFile, NamesTheDefect) {
   }
 }
 
-TEST(ReachFile, GridTooLargeForAnyMemoryIsRefusedByItsSize) {
+TEST(ReachFile, GridTooLargeForItsBytesIsRefused) {
   std::string content = savedMap();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const int huge = 1 << 20;
-    std::memcpy(content.data() + kNxAt + 4 * k, &huge, 4);
-  }
+  const int sizes[3] = {1024, 1024, 1 << 20};
+  std::memcpy(content.data() + kNxAt, sizes, sizeof sizes);
   seal(content);
   EXPECT_NE(loadMessage(content).find("does not fit"), std::string::npos);
 }
