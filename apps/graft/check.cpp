@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <numeric>
@@ -6,6 +7,9 @@
 
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
+#include "core/base/text.hpp"
+#include "core/solve/inspection.hpp"
+#include "core/solve/optimizer.hpp"
 
 namespace graft {
 
@@ -96,6 +100,79 @@ std::size_t countRepeatedEdges(const Graph& graph) {
   return repeated;
 }
 
+/// Prints up to Diagnostics::kShown lines of a list, and how many more there are.
+template <class List, class Line>
+void printSome(const List& list, const Line& line) {
+  for (std::size_t i = 0; i < list.size() && i < Diagnostics::kShown; ++i) line(list[i]);
+  if (list.size() > Diagnostics::kShown) {
+    std::printf("  ... and %zu more\n", list.size() - Diagnostics::kShown);
+  }
+}
+
+/// Names of a vertex's tangent numbers where they are its own, else their places.
+std::string describeDirection(const graft_vertex_type& type, const Eigen::VectorXd& direction) {
+  std::vector<std::string> names;
+  LineTokens fields(type.fields == nullptr ? "" : type.fields);
+  for (std::string_view name = fields.next(); !name.empty(); name = fields.next()) {
+    names.emplace_back(name);
+  }
+  std::string text;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (std::abs(direction[i]) < 1e-3) continue;
+    char part[64];
+    const bool named = type.ambient_dim == type.tangent_dim && names.size() > std::size_t(i);
+    const std::string name = named ? names[std::size_t(i)] : "tangent " + std::to_string(i + 1);
+    std::snprintf(part, sizeof part, "%s%.3g %s", text.empty() ? "" : ", ", direction[i],
+                  name.c_str());
+    text += part;
+  }
+  return text;
+}
+
+void printWeights(const Problem& problem) {
+  const std::vector<OddWeight> odd = findOddWeights(problem);
+  std::printf("%8zu edges whose weight is off the median of their tag by more than %g times\n",
+              odd.size(), kOddWeight);
+  printSome(odd, [](const OddWeight& one) {
+    std::printf("  %s: %.3g times the median\n", one.edge.c_str(), one.ratio);
+  });
+}
+
+void printJacobians(const Problem& problem, const Values& values) {
+  for (const JacobianCheck& check : checkJacobians(problem, values)) {
+    std::printf("%8lld Jacobians of %s agree with differences to %.2g (worst: %s)%s\n",
+                static_cast<long long>(check.edges - check.suspicious), check.tag.c_str(),
+                check.worst, check.worst_edge.c_str(),
+                check.suspicious > 0 ? "; the others DO NOT" : "");
+  }
+}
+
+void printFreeDirections(const Problem& problem, const Values& values) {
+  const std::vector<FreeDirection> free = findFreeDirections(problem, values);
+  std::printf("%8zu directions that no edge determines\n", free.size());
+  printSome(free, [&](const FreeDirection& one) {
+    std::printf("  %s is free along (%s)%s\n", problem.describeVertex(one.vertex).c_str(),
+                describeDirection(problem.graph().type(one.vertex), one.direction).c_str(),
+                one.share > 0.9 ? "" : ", together with others");
+  });
+}
+
+/// What needs estimates and derivatives.
+void printAtEstimates(const LoadedGraph& loaded) {
+  const Problem problem(loaded.graph, InformationPolicy::kProject);
+  printWeights(problem);
+  if (loaded.vertices_made) {
+    std::printf("no estimates in the file: Jacobians and free directions are not checked\n");
+    return;
+  }
+  std::map<std::string, double> by_tag;
+  std::printf("chi2 at the estimates of the file: %.10g\n",
+              evaluateChi2(loaded.graph, loaded.values, &by_tag));
+  for (const auto& [tag, chi2] : by_tag) std::printf("  %.10g  %s\n", chi2, tag.c_str());
+  printJacobians(problem, loaded.values);
+  printFreeDirections(problem, loaded.values);
+}
+
 struct CheckOptions {
   EngineOptions engine;
   std::string input;
@@ -129,6 +206,7 @@ ExitCode run(const CheckOptions& options) {
   if (loose > Diagnostics::kShown) {
     std::printf("... and %zu more that are not anchored\n", loose - Diagnostics::kShown);
   }
+  printAtEstimates(loaded);
   return ExitCode::kSuccess;
 }
 

@@ -1,31 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/graft/commands.hpp"
+#include "apps/graft/convert_formats.hpp"
 #include "apps/graft/engine_options.hpp"
 #include "core/base/file.hpp"
-#include "core/base/text.hpp"
 #include "core/io/g2o_writer.hpp"
 
 namespace graft {
 
 namespace {
-
-/// Poses as TUM lines, the vertex id in the place of the stamp.
-std::string formatPoses(const LoadedGraph& loaded, std::size_t& left_out) {
-  std::string out;
-  for (const VertexRef v : loaded.graph.verticesById()) {
-    if (std::string(loaded.graph.type(v).tag) != "VERTEX_SE3:QUAT") {
-      ++left_out;
-      continue;
-    }
-    out += std::to_string(loaded.graph.id(v));
-    for (int i = 0; i < 7; ++i) {
-      out += ' ';
-      appendDouble(out, loaded.values.at(v)[i]);
-    }
-    out += '\n';
-  }
-  return out;
-}
 
 struct ConvertOptions {
   EngineOptions engine;
@@ -44,16 +26,18 @@ ExitCode run(const ConvertOptions& options) {
                                   {directoryOf(options.input), directoryOf(options.output)}));
     return ExitCode::kSuccess;
   }
-  std::size_t left_out = 0;
-  const std::string poses = formatPoses(loaded, left_out);
-  if (poses.empty()) {
-    throw Error(ExitCode::kNoResult, {options.input, 0, 0}, "there is no VERTEX_SE3:QUAT to write");
+  const Converted converted = options.format == "tum"     ? formatTumPoses(loaded)
+                              : options.format == "kitti" ? formatKittiPoses(loaded)
+                                                          : formatToro(loaded);
+  if (converted.text.empty()) {
+    throw Error(ExitCode::kNoResult, {options.input, 0, 0},
+                "nothing in it can be written as " + options.format);
   }
-  if (left_out > 0) {
-    printMessage("note",
-                 std::to_string(left_out) + " vertices are no VERTEX_SE3:QUAT and left out");
+  for (const auto& [tag, count] : converted.left_out) {
+    printMessage("note", std::to_string(count) + " " + tag + " left out: " + options.format +
+                             " has nothing like it");
   }
-  writeFileAtomically(options.output, poses);
+  writeFileAtomically(options.output, converted.text);
   return ExitCode::kSuccess;
 }
 
@@ -61,13 +45,17 @@ ExitCode run(const ConvertOptions& options) {
 
 void addConvert(Program& program) {
   auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command =
-      program.add("convert", "Write a graph in graft's canonical form, or its poses as TUM",
-                  [options] { return run(*options); });
+  CLI::App* command = program.add(
+      "convert", "Write a graph in graft's canonical form, as TORO's, or its poses as a track",
+      [options] { return run(*options); });
   command->add_option("IN", options->input, "Graph file, - = stdin")->required();
   command->add_option("-o,--output", options->output, "Output file, - = stdout")->required();
-  command->add_option("--to", options->format, "g2o, or tum (poses; the id is the stamp)")
-      ->check(CLI::IsMember({"g2o", "tum"}))
+  command
+      ->add_option(
+          "--to", options->format,
+          "g2o; toro (VERTEX2, EDGE2, VERTEX3, EDGE3); or poses: tum (the id is the stamp), "
+          "kitti (3 x 4 matrices)")
+      ->check(CLI::IsMember({"g2o", "toro", "tum", "kitti"}))
       ->capture_default_str();
   options->engine.addPluginOption(*command);
   options->engine.addLoadOptions(*command);

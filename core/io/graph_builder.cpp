@@ -207,12 +207,18 @@ bool GraphBuilder::checkInformation(const PendingEdge& edge, int error_dim, doub
       std::memcmp(good_information_.data(), upper, count * sizeof(double)) == 0) {
     return true;
   }
+  const auto name = [&] {
+    std::string text = edge.type->edge->tag;
+    for (int k = 0; k < edge.arity && k < 8; ++k) {
+      text += ' ' + std::to_string(ids_[edge.ids + std::size_t(k)]);
+    }
+    return text + (edge.arity > 8 ? " ..." : "");
+  };
   double smallest = 0;
   switch (judgeInformation(upper, error_dim, smallest)) {
     case InformationKind::kZero:
       ++loaded_.counts.zero_information;
-      warning(edge.line, std::string(edge.type->edge->tag) +
-                             " has an information matrix of zeros and thus no effect");
+      warning(edge.line, name() + " has an information matrix of zeros and thus no effect");
       return true;
     case InformationKind::kSemidefinite:
       good_information_.assign(upper, upper + count);
@@ -220,7 +226,7 @@ bool GraphBuilder::checkInformation(const PendingEdge& edge, int error_dim, doub
     case InformationKind::kIndefinite:
       break;
   }
-  const std::string text = std::string(edge.type->edge->tag) +
+  const std::string text = name() +
                            ": the information matrix is not positive semidefinite, its smallest "
                            "eigenvalue is " +
                            formatDouble(smallest);

@@ -142,7 +142,7 @@ std::vector<InputCase> cases() {
       // D: information and quaternions
       {"zero_information", planeEdge("0 0 0"), 0, ":3: warning: .*zeros"},
       {"negative_information", planeEdge("-1 0 1"), 3,
-       ":3: error: EDGE_SE2_XY: the information matrix .*smallest eigenvalue is -1"},
+       ":3: error: EDGE_SE2_XY 6 5: the information matrix .*smallest eigenvalue is -1"},
       {"indefinite_information", planeEdge("1 2 1"), 3, "smallest eigenvalue is -(1|0\\.9999)"},
       {"rounded_singular", planeEdge("1 1.0000000001 1"), 0, ""},
       {"singular_information", planeEdge("1 1 1"), 0, ""},
