@@ -242,7 +242,10 @@ class Restorer {
     Task given;
     for (const auto& [name, sigma] : namedWeights(weights)) {
       const TrackerAccuracy a = accuracyOf(json.at(name));
-      given.weights.push_back({name, a.sigma_t, a.sigma_r, {file("metrics.json"), 0, 0}});
+      const WeightOverride one{name, a.sigma_t, a.sigma_r, {file("metrics.json"), 0, 0}};
+      // It sets those of all phases, which follow.
+      given.weights.insert(name == "steady_motion" ? given.weights.begin() : given.weights.end(),
+                           one);
     }
     const Weights factors = weights;
     Diagnostics diagnostics;
