@@ -75,7 +75,10 @@ void addTuple(std::size_t i, Reason reason, double by, std::vector<UnreachableRa
 
 ReachCheck checkReach(const PreparedTask& task, const GraspSet& grasps, const ReachMap& reach) {
   ReachCheck check;
+  // heights() goes a cell beyond the last nodes that are reached for sure.
   check.heights = reach.heights();
+  check.heights.low += reach.grid().resolution;
+  check.heights.high -= reach.grid().resolution;
   std::vector<Pose> held;
   for (const PreparedDemonstration& demo : task.demonstrations) {
     for (std::size_t i = demo.segments.grasp; i <= demo.segments.release; ++i) {
@@ -102,12 +105,17 @@ ReachCheck checkReach(const PreparedTask& task, const GraspSet& grasps, const Re
       if (reach.reachableSomewhere(gripper)) continue;
       ++check.unreachable;
       const double z = gripper.translation[2];
-      if (z >= check.heights.high) {
-        addTuple(i, Reason::kTooHigh, z - check.heights.high, ranges);
-      } else if (z < check.heights.low) {
-        addTuple(i, Reason::kTooLow, check.heights.low - z, ranges);
+      const double above = z - check.heights.high;
+      const double below = check.heights.low - z;
+      // A cell further nothing is reached, however it is turned.
+      const bool near = std::max(above, below) < reach.grid().resolution;
+      const double turn =
+          near ? leastTurn(reach, gripper) : std::numeric_limits<double>::infinity();
+      if (std::isfinite(turn)) {
+        addTuple(i, Reason::kTilt, turn, ranges);
       } else {
-        addTuple(i, Reason::kTilt, leastTurn(reach, gripper), ranges);
+        addTuple(i, above > below ? Reason::kTooHigh : Reason::kTooLow,
+                 std::max({0.0, above, below}), ranges);
       }
     }
     check.ranges.push_back(std::move(ranges));
