@@ -2,11 +2,11 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
+#include "core/base/disjoint_sets.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/inspection.hpp"
 #include "core/solve/optimizer.hpp"
@@ -18,16 +18,15 @@ namespace {
 /// Connected components of a graph; vertices are numbered by rising id.
 class Components {
  public:
-  explicit Components(const Graph& graph) : graph_(graph), vertices_(graph.verticesById()) {
+  explicit Components(const Graph& graph)
+      : graph_(graph), vertices_(graph.verticesById()), sets_(vertices_.size()) {
     for (const VertexBlock& block : graph.vertexBlocks()) numbers_.emplace_back(block.ids.size());
     for (std::size_t i = 0; i < vertices_.size(); ++i) number(vertices_[i]) = i;
-    parent_.resize(vertices_.size());
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
     for (const EdgeBlock& block : graph.edgeBlocks()) {
       for (std::size_t e = 0; e < block.size(); ++e) {
         const auto begin = std::size_t(block.vertex_begin[e]);
         for (std::size_t k = begin + 1; k < std::size_t(block.vertex_begin[e + 1]); ++k) {
-          join(number(block.vertices[begin]), number(block.vertices[k]));
+          sets_.merge(number(block.vertices[begin]), number(block.vertices[k]));
         }
       }
     }
@@ -43,7 +42,7 @@ class Components {
   std::vector<Component> list() {
     std::map<std::size_t, Component> by_root;
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      Component& component = by_root[root(i)];
+      Component& component = by_root[sets_.find(i)];
       if (component.size++ == 0) component.first_id = graph_.id(vertices_[i]);
       component.anchored = component.anchored || anchors_.count(i) > 0;
     }
@@ -54,15 +53,6 @@ class Components {
 
  private:
   std::size_t& number(VertexRef v) { return numbers_[std::size_t(v.type)][std::size_t(v.index)]; }
-  std::size_t root(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
   void findAnchors() {
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       if (graph_.isFixed(vertices_[i])) anchors_.insert(i);
@@ -80,7 +70,7 @@ class Components {
   const Graph& graph_;
   std::vector<VertexRef> vertices_;
   std::vector<std::vector<std::size_t>> numbers_;
-  std::vector<std::size_t> parent_;
+  DisjointSets sets_;
   std::set<std::size_t> anchors_;
 };
 

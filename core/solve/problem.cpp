@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "core/base/disjoint_sets.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/information.hpp"
@@ -89,26 +90,6 @@ RootShape shapeOf(const double* root, int dim) {
   }
   return identity ? RootShape::kIdentity : RootShape::kDiagonal;
 }
-
-/// Sets that are merged; the smallest member stands for the set.
-class Components {
- public:
-  explicit Components(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void merge(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 }  // namespace
 
@@ -221,7 +202,7 @@ void Problem::chooseGauge() {
     return rank[std::size_t(v.type)][std::size_t(v.index)];
   };
   for (std::size_t i = 0; i < by_id.size(); ++i) rankOf(by_id[i]) = i;
-  Components components(by_id.size());
+  DisjointSets components(by_id.size());
   std::vector<char> touched(by_id.size(), 0);
   std::vector<char> anchored(by_id.size(), 0);
   for (const EdgeGroup& group : groups_) {

@@ -3,8 +3,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <numeric>
 
+#include "core/base/disjoint_sets.hpp"
 #include "core/solve/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
 
@@ -17,26 +17,6 @@ struct Equations {
   std::vector<VertexRef> vertices;  ///< slots that take part
   Eigen::MatrixXd matrix;           ///< rows x sum of the vertices' rows
   Eigen::MatrixXd right;            ///< rows x columns
-};
-
-/// Sets that are merged; the smallest member stands for the set.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void merge(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
 };
 
 class Stage {
@@ -125,7 +105,7 @@ class Stage {
   /// The unknowns are the free vertices that equations tie to something known.
   void choose() {
     const std::size_t count = problem_.freeVertices().size();
-    Sets sets(count);
+    DisjointSets sets(count);
     std::vector<char> touched(count, 0);
     std::vector<char> anchored(count, 0);
     for (const Equations& equations : equations_) {
