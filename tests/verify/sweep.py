@@ -127,6 +127,10 @@ def learn_all(kinds, keep=None):
 
 
 def main():
+    unknown = [kind for kind in sys.argv[2:] if kind not in KINDS]
+    if len(sys.argv) < 2 or sys.argv[1].startswith("-") or unknown:
+        print(__doc__, file=sys.stderr)
+        return 2
     out = sys.argv[1]
     kinds = sys.argv[2:] or list(KINDS)
     os.makedirs(out, exist_ok=True)

@@ -15,8 +15,7 @@ bool bitAt(const std::uint64_t* column, int z) { return (column[z / 64] >> (z % 
 
 }  // namespace
 
-ReachDistance::ReachDistance(const ReachMarks& marks, int reach_out)
-    : marks_(marks), reach_out_(reach_out) {
+ReachDistance::ReachDistance(const ReachMarks& marks, int reach_out) : marks_(marks) {
   const auto columns = static_cast<std::size_t>(marks.nx()) * static_cast<std::size_t>(marks.ny());
   const ReachGrid& grid = marks.grid();
   bits_.resize(columns * static_cast<std::size_t>(marks.words()));

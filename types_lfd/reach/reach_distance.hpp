@@ -35,7 +35,6 @@ class ReachDistance {
   void squaredDistances(bool set, std::vector<std::uint16_t>& result);
 
   const ReachMarks& marks_;
-  int reach_out_;
   std::vector<std::uint64_t> bits_;
   std::vector<std::uint64_t> closed_;
   std::vector<std::uint16_t> along_z_;
