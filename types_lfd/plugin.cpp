@@ -59,8 +59,9 @@ int loadTaskFile(const char* path, const graft_graph_sink* sink) {
     return report(errors.what());
   } catch (const Error& error) {
     const SourceLocation& where = error.where();
-    sink->report(sink->host, 2, where.path.empty() ? nullptr : where.path.c_str(), where.line,
-                 where.column, error.what());
+    const int severity = error.code() == ExitCode::kNoResult ? 3 : 2;
+    sink->report(sink->host, severity, where.path.empty() ? nullptr : where.path.c_str(),
+                 where.line, where.column, error.what());
     return GRAFT_FAILED;
   } catch (const std::exception& error) {
     return report(error.what());

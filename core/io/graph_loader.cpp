@@ -85,7 +85,8 @@ class Sink {
     guard(host, [&](GraphBuilder& builder) {
       const SourceLocation where{path != nullptr ? std::string(path) : builder.path(), line,
                                  column};
-      if (severity >= 2) {
+      if (severity >= 3) throw Error(ExitCode::kNoResult, where, text);
+      if (severity == 2) {
         builder.diagnostics().error(where, text);
       } else if (severity == 1) {
         builder.diagnostics().warning(where, text);

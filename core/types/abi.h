@@ -252,7 +252,7 @@ typedef struct graft_graph_sink {
                   const double* measurement, int32_t information_count, const double* information,
                   int64_t line);
   int (*fix_vertex)(void* host, int64_t id, int64_t line);
-  /* severity 0 note, 1 warning, 2 error; path null = the file being loaded. */
+  /* severity 0 note, 1 warning, 2 error, 3 no usable result; path null = the file loaded. */
   void (*report)(void* host, int32_t severity, const char* path, int64_t line, int64_t column,
                  const char* text);
 } graft_graph_sink;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 namespace graft::lfd {
 
@@ -25,11 +26,11 @@ void findSteadiness(PreparedTask& prepared) {
        "steady_object",
        {&w.steady_object_free, &w.steady_object_contact, &w.steady_object_held}}};
   for (const Found& entity : entities) {
-    const bool given = std::any_of(
-        prepared.task.weights.begin(), prepared.task.weights.end(), [&](const WeightOverride& o) {
-          return o.edge == "steady_motion" || o.edge.rfind(entity.name, 0) == 0;
-        });
-    if (given) continue;
+    const auto given = [&](const std::string& name) {
+      return std::any_of(
+          prepared.task.weights.begin(), prepared.task.weights.end(),
+          [&](const WeightOverride& o) { return o.edge == "steady_motion" || o.edge == name; });
+    };
     std::vector<PhasedTrack> tracks;
     for (const PreparedDemonstration& d : prepared.demonstrations) {
       PhasedTrack track{&d.matched.times, &(d.matched.*entity.track), {}};
@@ -38,7 +39,11 @@ void findSteadiness(PreparedTask& prepared) {
     }
     const auto noise =
         estimateMotionNoise(tracks, entity.accuracy, {w.steady_motion.t, w.steady_motion.r});
-    for (std::size_t p = 0; p < kMotionPhases; ++p) *entity.weights[p] = {noise[p].t, noise[p].r};
+    constexpr const char* kPhases[kMotionPhases] = {"_free", "_contact", "_held"};
+    for (std::size_t p = 0; p < kMotionPhases; ++p) {
+      if (given(std::string(entity.name) + kPhases[p])) continue;
+      *entity.weights[p] = {noise[p].t, noise[p].r};
+    }
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "tests/support/test_data.hpp"
 #include "types_lfd/build/grasp_modes.hpp"
+#include "types_lfd/build/steadiness.hpp"
 #include "types_lfd/teach/teacher.hpp"
 
 namespace graft::lfd {
@@ -164,6 +165,34 @@ TEST(WeightsFor, TakesNamesAndThePapersNumbers) {
   weightsFor(task, diagnostics);
   ASSERT_EQ(diagnostics.errorCount(), 1u);
   EXPECT_NE(diagnostics.text().find("t.xml:5: error: unknown edge 'E66'"), std::string::npos);
+}
+
+TEST(FindSteadiness, KeepsWhatTheTaskGives) {
+  PreparedTask prepared;
+  prepared.demonstrations.resize(1);
+  PreparedDemonstration& demo = prepared.demonstrations[0];
+  demo.accuracy.hand = demo.accuracy.object = {0.001, 0.001};
+  // Standing still, so that what is estimated is far below the default.
+  for (int i = 0; i < 200; ++i) {
+    demo.matched.times.push_back(0.05 * i);
+    for (MatchedTrack* track : {&demo.matched.hand, &demo.matched.object}) {
+      track->poses.emplace_back();
+      track->measured.push_back(1);
+    }
+  }
+  demo.segments.grasp = 60;
+  demo.segments.release = 140;
+  const Weights usual;
+  prepared.task.weights.push_back({"steady_hand_free", 0.05, 0.2, {"t", 3, 0}});
+  findSteadiness(prepared);
+  EXPECT_EQ(prepared.weights.steady_hand_free.t, usual.steady_motion.t);
+  EXPECT_LT(prepared.weights.steady_hand_held.t, usual.steady_motion.t);
+  EXPECT_LT(prepared.weights.steady_object_free.r, usual.steady_motion.r);
+  prepared.weights = usual;
+  prepared.task.weights[0].edge = "steady_motion";
+  findSteadiness(prepared);
+  EXPECT_EQ(prepared.weights.steady_hand_held.t, usual.steady_motion.t);
+  EXPECT_EQ(prepared.weights.steady_object_free.r, usual.steady_motion.r);
 }
 
 TEST(GraspSpread, FindsTheHandsThatHoldElsewhere) {
