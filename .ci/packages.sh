@@ -8,7 +8,7 @@ packages=(
   g++ cmake ninja-build ccache binutils                  # build
   libeigen3-dev libsuitesparse-dev libmetis-dev          # core
   libtinyxml2-dev libcli11-dev nlohmann-json3-dev libpng-dev
-  libgtest-dev                                           # tests
+  libgtest-dev python3                                   # tests
   "$@"
 )
 

@@ -2,14 +2,21 @@
 #
 #   graft_add_plugin(name SOURCES file...
 #                    [LIBRARIES target...] [REQUIRES plugin...]
-#                    [LICENSE id] [VERSION x.y.z] [DESCRIPTION text] [NO_INSTALL])
+#                    [LICENSE id] [VERSION x.y.z] [DESCRIPTION text]
+#                    [OUTPUT_DIRECTORY dir] [NO_INSTALL])
 #
 # Builds libgraft_<name>.so, target graft_plugin_<name>. The source that has
 # GRAFT_PLUGIN(name, registry) defines what it provides. After linking, the
 # list of what it registers is stored in the file, so that graft knows it
 # without loading it. Only the stamp and the entry function are exported.
 #
-# Works inside graft's own tree and outside after find_package(graft).
+#   graft_add_conformance_test(name [GRAPH file] [PLUGINS name...] [ARGUMENTS arg...])
+#
+# Adds the test conformance.<name>: `graft check-plugin` on the plugin. GRAPH is a
+# graph file whose resources, measurements and estimates are inputs, too; PLUGINS
+# are further plugins of this build that it requires.
+#
+# Both work inside graft's own tree and outside after find_package(graft).
 
 set(GRAFT_PLUGIN_CMAKE_DIR "${CMAKE_CURRENT_LIST_DIR}")
 
@@ -81,4 +88,26 @@ function(graft_add_plugin name)
   if(GRAFT_PLUGIN_INSTALL_DIR AND NOT arg_NO_INSTALL)
     install(TARGETS ${target} LIBRARY DESTINATION "${GRAFT_PLUGIN_INSTALL_DIR}" COMPONENT ${name})
   endif()
+endfunction()
+
+function(graft_add_conformance_test name)
+  cmake_parse_arguments(arg "" "GRAPH" "PLUGINS;ARGUMENTS" ${ARGN})
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR
+      "graft_add_conformance_test(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  if(NOT TARGET graft_plugin_${name})
+    message(FATAL_ERROR "graft_add_conformance_test(${name}): there is no plugin ${name}")
+  endif()
+  set(arguments "")
+  if(arg_GRAPH)
+    list(APPEND arguments --graph "${arg_GRAPH}")
+  endif()
+  foreach(plugin IN LISTS arg_PLUGINS)
+    list(APPEND arguments --plugin $<TARGET_FILE:graft_plugin_${plugin}>)
+  endforeach()
+  add_test(NAME conformance.${name}
+    COMMAND $<TARGET_FILE:graft::program> check-plugin $<TARGET_FILE:graft_plugin_${name}>
+            ${arguments} ${arg_ARGUMENTS})
+  set_tests_properties(conformance.${name} PROPERTIES TIMEOUT 600)
 endfunction()

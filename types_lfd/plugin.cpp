@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "types_lfd/build/graph_builder.hpp"
+#include "types_lfd/build/grasp_modes.hpp"
 #include "types_lfd/build/scene.hpp"
 #include "types_lfd/edges/base_pose.hpp"
 #include "types_lfd/edges/grasp_edges.hpp"
@@ -16,12 +17,18 @@ namespace graft::lfd {
 
 namespace {
 
-/// A task file as a graph: the same stages and the same builder as the
-/// learner's own program, so both hand the same graph to the engine.
+/// A task file as a graph: the same stages, the same choice among ways of holding
+/// the object and the same builder as the learner's own program, so both hand the
+/// same graph to the engine.
 void loadTask(const char* path, const graft_graph_sink& sink) {
   Diagnostics diagnostics;
-  const PreparedTask prepared = prepareTask(path, diagnostics);
+  const PreparedTask prepared = prepareUsualMode(path, diagnostics);
   const TaskScene scene = loadScene(prepared.task, diagnostics);
+  for (const Diagnostics::Message& m : diagnostics.messages()) {
+    sink.report(sink.host, m.severity == Diagnostics::Severity::kWarning ? 1 : 0,
+                m.where.path.empty() ? nullptr : m.where.path.c_str(), m.where.line, m.where.column,
+                m.text.c_str());
+  }
   if (scene.reach_file.empty()) {
     throw Error(ExitCode::kOutput, {path, 0, 0},
                 "the reachability map could not be stored (set GRAFT_CACHE_DIR to a folder that "
@@ -84,10 +91,12 @@ GRAFT_PLUGIN(lfd, registry) {
   registry.add<BaseSmoothEdge>();
   registry.add<BasePriorEdge>();
   registry.add<HumanGraspEdge>();
+  registry.add<TurnedHumanGraspEdge>();
   registry.add<RobotGraspEdge>();
   registry.add<GraspQualityEdge>();
   registry.add<HandGripperEdge>();
   registry.add<ResemblanceEdge>();
+  registry.add<TurnedResemblanceEdge>();
   registry.add<GraspAgreementEdge>();
   registry.add<ReachabilityEdge>();
   registry.addLoader(kTaskLoader);

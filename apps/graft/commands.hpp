@@ -11,8 +11,10 @@ using Clock = std::chrono::steady_clock;
 
 // One function per subcommand, each in the file of its name: declares the
 // options and what runs.
+void addNewPlugin(Program& program);
 void addOptimize(Program& program, Clock::time_point start);
 void addCheck(Program& program);
+void addCheckPlugin(Program& program);
 void addConvert(Program& program);
 void addPlugins(Program& program);
 void addSimulate(Program& program);

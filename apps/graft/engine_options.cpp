@@ -28,7 +28,9 @@ void EngineOptions::addLoadOptions(CLI::App& command) {
 }
 
 std::unique_ptr<Engine> makeEngine(const EngineOptions& options) {
-  auto engine = std::make_unique<Engine>();
+  PluginOptions plugins = detail::callersPluginOptions();
+  plugins.probe = true;
+  auto engine = std::make_unique<Engine>(plugins);
   for (const std::string& plugin : options.plugins) engine->plugins().addFile(plugin);
   printMessages(engine->plugins().diagnostics());
   engine->plugins().diagnostics().clear();

@@ -10,6 +10,8 @@ int main(int argc, char** argv) {
   graft::addSimulate(program);
   graft::addTypes(program);
   graft::addPlugins(program);
+  graft::addCheckPlugin(program);
+  graft::addNewPlugin(program);
   program.setFooter(
       "Exit codes: 0 usable result, all outputs written; 1 internal error; 2 usage; 3 input\n"
       "rejected; 4 no usable result; 5 output; 6 resources; 7 plugin; 130/143 interrupted\n"

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "apps/graft_lfd/commands.hpp"
-#include "types_lfd/build/prepare.hpp"
+#include "types_lfd/build/grasp_modes.hpp"
 #include "types_lfd/demo/demonstration.hpp"
 
 namespace graft::lfd {

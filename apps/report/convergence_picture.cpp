@@ -19,13 +19,21 @@ struct EdgeTitle {
 };
 
 constexpr EdgeTitle kEdgeTitles[] = {
-    {"LFD_OBSERVATION", "E1 observation"},          {"LFD_RELATIVE_MOTION", "E2 relative motion"},
-    {"LFD_STEADY_MOTION", "steady motion (prior)"}, {"LFD_GRIPPER_SMOOTH", "E3 gripper smoothness"},
-    {"LFD_BASE_SMOOTH", "E3 base smoothness"},      {"LFD_HUMAN_GRASP", "E4 human grasp"},
-    {"LFD_ROBOT_GRASP", "E5 robot grasp"},          {"LFD_GRASP_QUALITY", "E6 grasp quality"},
-    {"LFD_HAND_GRIPPER", "E7 hand to gripper"},     {"LFD_RESEMBLANCE", "E8 resemblance"},
-    {"LFD_REACHABILITY", "E9 reachability"},        {"LFD_GRASP_AGREEMENT", "E10 grasp agreement"},
+    {"LFD_OBSERVATION", "E1 observation"},
+    {"LFD_RELATIVE_MOTION", "E2 relative motion"},
+    {"LFD_STEADY_MOTION", "steady motion (prior)"},
+    {"LFD_GRIPPER_SMOOTH", "E3 gripper smoothness"},
+    {"LFD_BASE_SMOOTH", "E3 base smoothness"},
+    {"LFD_HUMAN_GRASP", "E4 human grasp"},
+    {"LFD_ROBOT_GRASP", "E5 robot grasp"},
+    {"LFD_GRASP_QUALITY", "E6 grasp quality"},
+    {"LFD_HAND_GRIPPER", "E7 hand to gripper"},
+    {"LFD_RESEMBLANCE", "E8 resemblance"},
+    {"LFD_REACHABILITY", "E9 reachability"},
+    {"LFD_GRASP_AGREEMENT", "E10 grasp agreement"},
     {"LFD_BASE_PRIOR", "base position (prior)"},
+    {"LFD_HUMAN_GRASP_TURNED", "E4 human grasp, hand turned"},
+    {"LFD_RESEMBLANCE_TURNED", "E8 resemblance, hand turned"},
 };
 
 void drawIterations(Svg& svg, const Summary& summary, double height) {

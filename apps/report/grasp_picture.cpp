@@ -220,20 +220,30 @@ class Labels {
   std::vector<Box> taken_;
 };
 
+/// Per recorded demonstration whether its way of holding was learned.
+std::vector<char> learnedHolds(const lfd::LearnResult& result) {
+  std::vector<char> learned(result.holds.names.size(), result.common_grasp ? 0 : 1);
+  if (!result.common_grasp) return learned;
+  for (const std::size_t d : result.holds.modes[result.mode].demonstrations) learned[d] = 1;
+  return learned;
+}
+
 void drawHolds(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& result) {
+  const std::vector<char> learned = learnedHolds(result);
   PathData dots;
+  PathData others;
   Labels labels;
   std::vector<Point> points;
-  for (const Pose& hold : result.spread.object_T_hand) {
+  for (std::size_t d = 0; d < result.holds.names.size(); ++d) {
+    const Pose& hold = result.holds.spread.object_T_hand[d];
     points.push_back(axes.at(hold.translation[0], hold.translation[v]));
-    dots.dot(points.back());
+    (learned[d] != 0 ? dots : others).dot(points.back());
     labels.addDot(points.back());
   }
   for (std::size_t d = 0; d < points.size(); ++d) {
-    labels.add(svg, axes.box(), points[d],
-               d < result.task.demonstrations.size() ? result.task.demonstrations[d].matched.name
-                                                     : std::to_string(d + 1));
+    labels.add(svg, axes.box(), points[d], result.holds.names[d]);
   }
+  svg.path(others, "s-muted w6");
   svg.path(dots, "s-hand w6");
 }
 
@@ -241,14 +251,22 @@ void drawHolds(Svg& svg, const Axes& axes, int v, const lfd::LearnResult& result
 
 Picture holdsPicture(const lfd::LearnResult& result) {
   Dots dots{{}, ""};
-  for (const Pose& pose : result.spread.object_T_hand) dots.points.push_back(pose.translation);
+  for (const Pose& pose : result.holds.spread.object_T_hand) {
+    dots.points.push_back(pose.translation);
+  }
   const std::array<Axes, 2> axes = panels({dots}, {});
-  Svg svg(kWidth, kTop + kPanel + 44);
+  const double below = kTop + kPanel + 44;
+  const std::vector<LegendEntry> legend{
+      {Mark::kDot, "s-hand w6", "hand of a learned demonstration"},
+      {Mark::kDot, "s-muted w6", "left out"}};
+  const double height = result.common_grasp ? drawLegend(nullptr, {}, kWidth - 58, legend) + 6 : 0;
+  Svg svg(kWidth, below + height);
   for (std::size_t k = 0; k < 2; ++k) {
     svg.text({axes[k].box().x, 18}, kTitles[k], "title");
     axes[k].draw(svg, "x of the object, m", verticalName(kVertical[k]));
     drawHolds(svg, axes[k], kVertical[k], result);
   }
+  if (result.common_grasp) drawLegend(&svg, {58, below}, kWidth - 58, legend);
   return {"holds", "Where each demonstration holds the object",
           "Mean position of the hand in the object's frame while it is manipulated. A shared grasp "
           "needs these points, and the hand's orientation there, to agree.",

@@ -40,6 +40,7 @@ void addMessages(Page& page, const lfd::LearnResult& result,
                  const std::vector<std::string>& messages);
 void addTable(Page& page, const lfd::LearnResult& result);
 void addGrasp(Page& page, const lfd::LearnResult& result);
+void addModes(Page& page, const lfd::LearnResult& result);
 void addDisagreement(Page& page, const lfd::LearnResult& result);
 void addSolve(Page& page, const lfd::LearnResult& result);
 void addModel(Page& page, const lfd::LearnResult& result);

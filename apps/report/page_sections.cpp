@@ -178,16 +178,46 @@ void addGrasp(Page& page, const lfd::LearnResult& result) {
   if (!rows.empty()) page.table({"Gripper in the hand", "distance", "angle"}, rows);
 }
 
+void addModes(Page& page, const lfd::LearnResult& result) {
+  const lfd::RecordedHolds& holds = result.holds;
+  page.heading("Ways of holding the object");
+  const std::size_t left_out = holds.names.size() - result.task.demonstrations.size();
+  page.paragraph("The demonstrations hold the object in " + plural(holds.modes.size(), "way") +
+                     ", and one grasp cannot serve them all. This is what was learned from mode " +
+                     std::to_string(result.mode) + "; " + plural(left_out, "demonstration") +
+                     " of other modes " + (left_out == 1 ? "is" : "are") + " left out.",
+                 "warning");
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t m = 0; m < holds.modes.size(); ++m) {
+    const lfd::GraspMode& mode = holds.modes[m];
+    std::string names;
+    for (const std::size_t d : mode.demonstrations) {
+      names += (names.empty() ? "" : ", ") + holds.names[d];
+    }
+    const bool one = mode.demonstrations.size() == 1;
+    rows.push_back({std::to_string(m) + (m == result.mode ? " (learned)" : ""), names,
+                    one ? "\u2013" : metres(mode.distance), one ? "\u2013" : degrees(mode.angle)});
+  }
+  page.table({"Mode", "demonstrations", "spread", "turn"}, rows);
+  page.list(lfd::describeLeftOut(holds, result.mode));
+  page.paragraph("The same way means within " + metres(lfd::kSameGraspDistance) + " and " +
+                     wholeDegrees(lfd::kSameGraspAngle) +
+                     ", any two of a mode; a hand turned by half a turn about its approach counts "
+                     "as the same. Learn another with --grasp-mode N, or each with --grasp-mode "
+                     "all.",
+                 "quiet");
+}
+
 void addDisagreement(Page& page, const lfd::LearnResult& result) {
   page.heading("No common grasp");
   page.paragraph(
-      "The demonstrations hold the object in different ways, so there is no single grasp "
-      "to learn. Nothing was optimized. They differ by up to " +
-          metres(result.spread.distance) + " and " + wholeDegrees(result.spread.angle) +
+      "No two demonstrations hold the object in the same way, so there is no grasp to "
+      "learn. Nothing was optimized. They differ by up to " +
+          metres(result.holds.spread.distance) + " and " + wholeDegrees(result.holds.spread.angle) +
           "; the same grasp means within " + metres(lfd::kSameGraspDistance) + " and " +
           wholeDegrees(lfd::kSameGraspAngle) + ".",
       "warning");
-  page.list(lfd::describeDisagreement(result), "two");
+  page.list(lfd::describeDisagreement(result.holds), "two");
   page.paragraph(
       "Learn from demonstrations that hold the object alike: leave the others out of the "
       "task file, or record them again.");

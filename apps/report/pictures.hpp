@@ -6,6 +6,7 @@
 
 #include "apps/report/svg.hpp"
 #include "types_lfd/learn/learn.hpp"
+#include "types_lfd/learn/tune.hpp"
 
 namespace graft::report {
 
@@ -28,7 +29,7 @@ std::vector<Picture> mapPictures(const lfd::LearnResult& result);
 /// Hand and gripper seen from the object, and the grasps (paper, Fig. 3).
 Picture graspPicture(const lfd::LearnResult& result);
 
-/// Where each demonstration holds the object, for results without a common grasp.
+/// Where each demonstration holds the object, for tasks with several ways of it.
 Picture holdsPicture(const lfd::LearnResult& result);
 
 /// Reaching, manipulation, retreat, and which stamps were measured.
@@ -42,6 +43,9 @@ Picture tablePicture(const lfd::LearnResult& result);
 
 /// Positions over time in the first demonstration, measured and optimized.
 Picture tracksPicture(const lfd::LearnResult& result);
+
+/// What other weights would give (graft-lfd learn --tune).
+Picture tunePicture(const std::vector<lfd::TuneTrial>& trials);
 
 /// What people call an edge type of the learner: "LFD_HAND_GRIPPER" gives
 /// "E7 hand to gripper"; other tags stay as they are.

@@ -66,6 +66,10 @@ void writeReport(const lfd::LearnResult& result, StagedDirectory& out,
   Writer pictures(page, out);
   addOverview(page, result);
   if (result.common_grasp) {
+    if (result.holds.modes.size() > 1) {
+      addModes(page, result);
+      pictures.one(holdsPicture(result));
+    }
     addMessages(page, result, messages);
     addResult(page, pictures, result);
   } else {
@@ -78,6 +82,11 @@ void writeReport(const lfd::LearnResult& result, StagedDirectory& out,
   addWeights(page, result);
   addSeconds(page, result);
   out.write("report.html", page.text());
+}
+
+void writeTuning(const std::vector<lfd::TuneTrial>& trials, StagedDirectory& out) {
+  const Picture picture = tunePicture(trials);
+  out.write("pictures/tune.svg", picture.svg.standalone(picture.title));
 }
 
 }  // namespace graft::report

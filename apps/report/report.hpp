@@ -6,6 +6,7 @@
 
 #include "core/base/file.hpp"
 #include "types_lfd/learn/learn.hpp"
+#include "types_lfd/learn/tune.hpp"
 
 namespace graft::report {
 
@@ -17,5 +18,8 @@ namespace graft::report {
 /// Throws Error(kOutput) where a file cannot be written.
 void writeReport(const lfd::LearnResult& result, StagedDirectory& out,
                  const std::vector<std::string>& messages = {});
+
+/// Writes pictures/tune.svg.
+void writeTuning(const std::vector<lfd::TuneTrial>& trials, StagedDirectory& out);
 
 }  // namespace graft::report

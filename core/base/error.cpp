@@ -23,9 +23,9 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-void addLine(std::vector<std::string>& lines, std::size_t& count, const SourceLocation& where,
-             std::string_view severity, const std::string& text) {
-  if (++count <= Diagnostics::kShown) lines.push_back(formatMessage(where, severity, text));
+const char* nameOf(Diagnostics::Severity severity) {
+  if (severity == Diagnostics::Severity::kError) return "error";
+  return severity == Diagnostics::Severity::kWarning ? "warning" : "note";
 }
 
 }  // namespace
@@ -59,16 +59,22 @@ std::string Error::formatted() const {
                                                            : formatMessage(where_, "error", what());
 }
 
+void Diagnostics::add(std::size_t& count, Message message) {
+  if (++count > kShown) return;
+  lines_.push_back(formatMessage(message.where, nameOf(message.severity), message.text));
+  messages_.push_back(std::move(message));
+}
+
 void Diagnostics::error(SourceLocation where, const std::string& text) {
-  addLine(lines_, error_count_, where, "error", text);
+  add(error_count_, {Severity::kError, std::move(where), text});
 }
 
 void Diagnostics::warning(SourceLocation where, const std::string& text) {
-  addLine(lines_, warning_count_, where, "warning", text);
+  add(warning_count_, {Severity::kWarning, std::move(where), text});
 }
 
 void Diagnostics::note(SourceLocation where, const std::string& text) {
-  addLine(lines_, note_count_, where, "note", text);
+  add(note_count_, {Severity::kNote, std::move(where), text});
 }
 
 std::string Diagnostics::text() const {
@@ -95,6 +101,7 @@ void Diagnostics::append(const Diagnostics& other) {
   warning_count_ += other.warning_count_;
   note_count_ += other.note_count_;
   lines_.insert(lines_.end(), other.lines_.begin(), other.lines_.end());
+  messages_.insert(messages_.end(), other.messages_.begin(), other.messages_.end());
 }
 
 }  // namespace graft

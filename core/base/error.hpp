@@ -64,6 +64,13 @@ class Diagnostics {
  public:
   static constexpr std::size_t kShown = 20;
 
+  enum class Severity { kNote, kWarning, kError };
+  struct Message {
+    Severity severity;
+    SourceLocation where;
+    std::string text;
+  };
+
   void error(SourceLocation where, const std::string& text);
   void warning(SourceLocation where, const std::string& text);
   void note(SourceLocation where, const std::string& text);
@@ -71,6 +78,8 @@ class Diagnostics {
   std::size_t errorCount() const { return error_count_; }
   std::size_t warningCount() const { return warning_count_; }
   const std::vector<std::string>& lines() const { return lines_; }
+  /// The same messages in parts, to pass them on; cut like lines().
+  const std::vector<Message>& messages() const { return messages_; }
 
   /// All messages, one per line, ending with "... and N more errors" if cut.
   std::string text() const;
@@ -80,10 +89,13 @@ class Diagnostics {
   void clear() { *this = Diagnostics(); }
 
  private:
+  void add(std::size_t& count, Message message);
+
   std::size_t error_count_ = 0;
   std::size_t warning_count_ = 0;
   std::size_t note_count_ = 0;
   std::vector<std::string> lines_;
+  std::vector<Message> messages_;
 };
 
 /// Thrown by Diagnostics::throwIfErrors: `formatted()` of it is the complete,

@@ -22,7 +22,16 @@ struct Trajectory {
 /// Every defect goes to `diagnostics` with its line; the caller decides.
 Trajectory readTum(const std::string& path, Diagnostics& diagnostics);
 
-/// The same format with shortest round-trip numbers.
+/// Reads a track from a CSV with a header that names the columns: timestamp, x, y,
+/// z, qx, qy, qz, qw in any order. Other columns are not read, and a note names
+/// them. Empty lines and lines that begin with '#' are skipped; all else as in
+/// readTum().
+Trajectory readTrackCsv(const std::string& path, Diagnostics& diagnostics);
+
+/// A file whose name ends in .csv as CSV, any other as TUM.
+Trajectory readTrack(const std::string& path, Diagnostics& diagnostics);
+
+/// The TUM format with shortest round-trip numbers.
 std::string formatTum(const Trajectory& trajectory);
 
 }  // namespace graft

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/plugin/plugin_file.hpp"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cstring>
+#include <filesystem>
 #include <sstream>
 
 #include "core/base/error.hpp"
@@ -46,7 +50,29 @@ std::string missingInstructions(std::uint32_t isa) {
   return missing;
 }
 
+/// True where everybody may write the folder of a file, and rename what others
+/// put there (no sticky bit).
+bool anyoneMayReplace(const std::string& path) {
+  std::string folder = std::filesystem::path(path).parent_path().string();
+  if (folder.empty()) folder = ".";
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) return false;
+  return (status.st_mode & S_IWOTH) != 0 && (status.st_mode & S_ISVTX) == 0;
+}
+
 }  // namespace
+
+std::string folderRefusal(const std::string& folder) {
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) return "";
+  if ((status.st_mode & S_IWOTH) != 0) {
+    return "anyone may put files into this folder (mode o+w); its plugins are not used";
+  }
+  if (status.st_uid != 0 && status.st_uid != ::geteuid()) {
+    return "this folder belongs to another user; its plugins are not used";
+  }
+  return "";
+}
 
 const char* metadataWord(Kind kind) {
   switch (kind) {
@@ -143,6 +169,9 @@ PluginFile readPluginFile(const std::string& path) {
   }
   if (file.refusal.empty() && elf.worldWritable()) {
     file.refusal = "anyone may change this file (mode o+w); it is not loaded";
+  }
+  if (file.refusal.empty() && anyoneMayReplace(path)) {
+    file.refusal = "anyone may replace this file (its folder has mode o+w); it is not loaded";
   }
   return file;
 }

@@ -31,6 +31,11 @@ struct PluginFile {
 /// is no plugin at all; a plugin that does not fit comes with a `refusal`.
 PluginFile readPluginFile(const std::string& path);
 
+/// Why plugins of a folder from the environment are not used: anyone may write
+/// it, or it belongs to somebody who is neither root nor the user. Empty = no
+/// reason.
+std::string folderRefusal(const std::string& folder);
+
 /// Empty where a library with this stamp fits this program; else the first
 /// field that does not, with both values.
 std::string stampMismatch(const graft_abi_stamp& theirs);

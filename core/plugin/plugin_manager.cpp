@@ -7,6 +7,7 @@
 
 #include "core/io/graph_loader.hpp"
 #include "core/plugin/plugin_library.hpp"
+#include "core/plugin/probe.hpp"
 
 namespace graft {
 
@@ -38,24 +39,7 @@ bool looksLikeFile(const std::string& text) {
 
 }  // namespace
 
-PluginManager::PluginManager(Registry& registry, const PluginOptions& options)
-    : registry_(registry),
-      folders_(options.folders.empty() ? ownPluginFolders() : options.folders) {
-  folders_.insert(folders_.end(), options.more_folders.begin(), options.more_folders.end());
-  if (options.use_environment) {
-    for (const std::string& folder : environmentPluginFolders()) folders_.push_back(folder);
-  }
-  for (const std::string& folder : folders_) scan(folder);
-  registry_.setResolver([this](const Provided& wanted) { return resolve(wanted); });
-  registry_.setAdvisor([this](const Provided& wanted) { return advise(wanted); });
-}
-
-PluginManager::~PluginManager() {
-  registry_.setResolver(nullptr);
-  registry_.setAdvisor(nullptr);
-}
-
-void PluginManager::scan(const std::string& folder) {
+std::vector<std::string> pluginCandidates(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> files;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
@@ -65,8 +49,46 @@ void PluginManager::scan(const std::string& folder) {
       files.push_back(entry->path().string());
     }
   }
-  if (error) diagnostics_.warning({folder, 0, 0}, "cannot list plugins: " + error.message());
+  if (error) {
+    throw Error(ExitCode::kPlugin, {folder, 0, 0}, "cannot list plugins: " + error.message());
+  }
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+PluginManager::PluginManager(Registry& registry, const PluginOptions& options)
+    : registry_(registry),
+      options_(options),
+      folders_(options.folders.empty() ? ownPluginFolders() : options.folders) {
+  folders_.insert(folders_.end(), options.more_folders.begin(), options.more_folders.end());
+  for (const std::string& folder : folders_) scan(folder, true);
+  if (options.use_environment) {
+    for (const std::string& folder : environmentPluginFolders()) {
+      const std::string refusal = folderRefusal(folder);
+      if (!refusal.empty()) {
+        diagnostics_.warning({folder, 0, 0}, refusal);
+        continue;
+      }
+      folders_.push_back(folder);
+      scan(folder, false);
+    }
+  }
+  registry_.setResolver([this](const Provided& wanted) { return resolve(wanted); });
+  registry_.setAdvisor([this](const Provided& wanted) { return advise(wanted); });
+}
+
+PluginManager::~PluginManager() {
+  registry_.setResolver(nullptr);
+  registry_.setAdvisor(nullptr);
+}
+
+void PluginManager::scan(const std::string& folder, bool trusted) {
+  std::vector<std::string> files;
+  try {
+    files = pluginCandidates(folder);
+  } catch (const Error& e) {
+    diagnostics_.warning(e.where(), e.what());
+  }
   for (const std::string& path : files) {
     PluginFile file;
     try {
@@ -89,7 +111,7 @@ void PluginManager::scan(const std::string& folder) {
       diagnostics_.note({path, 0, 0}, "plugin " + file.name +
                                           " does not say what it provides; load it with --plugin");
     }
-    known_.push_back({std::move(file), folder, false, false});
+    known_.push_back({std::move(file), folder, trusted, false, false});
   }
 }
 
@@ -118,6 +140,7 @@ void PluginManager::load(std::size_t index) {
       }
       load(other);
     }
+    if (options_.probe && !known_[index].trusted) probe(file);
     loadPluginLibrary(file, registry_);
   } catch (...) {
     known_[index].loading = false;
@@ -127,9 +150,35 @@ void PluginManager::load(std::size_t index) {
   known_[index].loaded = true;
 }
 
+void PluginManager::probe(const PluginFile& file) const {
+  std::vector<std::string> loaded;
+  for (const Known& known : known_) {
+    if (known.loaded && !known.trusted) loaded.push_back(known.file.path);
+  }
+  // The path as a file, whatever it looks like.
+  const std::string path = fs::absolute(file.path).string();
+  const ProbeResult result = probePlugin(path, options_, ContainedLimits(), loaded);
+  if (result.failure.empty()) return;
+  throw Error(ExitCode::kPlugin, {file.path, 0, 0}, result.failure);
+}
+
 void PluginManager::loadByName(const std::string& name) {
   const std::size_t index = findByName(name);
-  if (index != kNone) return load(index);
+  if (index == kNone) unknownName(name);
+  load(index);
+}
+
+PluginFile findPluginFile(const std::string& file_or_name, const PluginOptions& options) {
+  if (looksLikeFile(file_or_name)) return readPluginFile(file_or_name);
+  Registry registry;
+  const PluginManager plugins(registry, options);
+  for (const PluginManager::Known& known : plugins.known()) {
+    if (known.file.name == file_or_name) return known.file;
+  }
+  plugins.unknownName(file_or_name);
+}
+
+void PluginManager::unknownName(const std::string& name) const {
   std::string names;
   for (const Known& known : known_) names += (names.empty() ? "" : ", ") + known.file.name;
   throw Error(ExitCode::kPlugin, "there is no plugin named " + graft::quoted(name) +
@@ -147,7 +196,7 @@ void PluginManager::addFile(const std::string& file_or_name) {
     throw Error(ExitCode::kPlugin, {file.path, 0, 0},
                 "a plugin named " + file.name + " is loaded already: " + known_[first].file.path);
   }
-  Known added{std::move(file), fs::path(file_or_name).parent_path().string(), false, false};
+  Known added{std::move(file), fs::path(file_or_name).parent_path().string(), false, false, false};
   if (first != kNone) {
     // What is named on the command line goes before what lies in a folder.
     diagnostics_.note({added.file.path, 0, 0}, "used instead of " + known_[first].file.path);

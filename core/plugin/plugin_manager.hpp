@@ -18,7 +18,19 @@ struct PluginOptions {
   std::vector<std::string> more_folders;
   /// Also those named by GRAFT_PLUGIN_PATH (absolute parts only).
   bool use_environment = true;
+  /// Tries plugins from outside `folders` and `more_folders` (given by file, or
+  /// found through the environment) in a child process before they are loaded
+  /// into this one; see probePlugin().
+  bool probe = false;
 };
+
+/// Files in a folder that are named as plugins are (libgraft_*.so), sorted.
+/// Throws Error(kPlugin) where it cannot be listed.
+std::vector<std::string> pluginCandidates(const std::string& folder);
+
+/// Stamp and metadata of a plugin named as for addFile(), without loading
+/// anything. Throws Error(kPlugin) where there is none.
+PluginFile findPluginFile(const std::string& file_or_name, const PluginOptions& options);
 
 /// Finds plugins, knows what they provide without loading them, and loads them
 /// when needed: it makes itself the registry's resolver and advisor. Files
@@ -35,6 +47,7 @@ class PluginManager {
   struct Known {
     PluginFile file;
     std::string folder;
+    bool trusted = false;  ///< lies in the program's own folders
     bool loaded = false;
     bool loading = false;
   };
@@ -46,6 +59,8 @@ class PluginManager {
   void loadAll();
   /// Throws Error(kPlugin) where there is no trusted plugin of that name.
   void loadByName(const std::string& name);
+  /// Throws the Error(kPlugin) for such a name.
+  [[noreturn]] void unknownName(const std::string& name) const;
 
   const std::vector<Known>& known() const { return known_; }
   const std::vector<std::string>& folders() const { return folders_; }
@@ -53,13 +68,15 @@ class PluginManager {
   Diagnostics& diagnostics() { return diagnostics_; }
 
  private:
-  void scan(const std::string& folder);
+  void scan(const std::string& folder, bool trusted);
+  void probe(const PluginFile& file) const;
   void load(std::size_t index);
   bool resolve(const Provided& wanted);
   std::string advise(const Provided& wanted) const;
   std::size_t findByName(const std::string& name) const;
 
   Registry& registry_;
+  PluginOptions options_;
   std::vector<std::string> folders_;
   std::vector<Known> known_;
   Diagnostics diagnostics_;

@@ -52,4 +52,5 @@ GRAFT_PLUGIN_PATH=$work/plugins "$graft" check "$graph" >/dev/null || fail "GRAF
 # The tutorial, as a program of its own: the error of 10 cm is spread evenly.
 "$work/build/first_graph" >"$work/tutorial" || { cat "$work/tutorial"; fail "first_graph"; }
 grep -q "^converged" "$work/tutorial" || { cat "$work/tutorial"; fail "first_graph"; }
+sh "$source/tests/install/new_plugin.sh" "$cmake" "$prefix" "$compiler" "$work"
 echo "install test passed"

@@ -2,12 +2,12 @@
 cmake_minimum_required(VERSION 3.22)
 # Who may include whom. Arrows point down only:
 #   apps > types_lfd > core, plugins > core; nobody includes plugins or apps;
-#   inside core: base < geometry < types < graph < {solve, io} < plugin;
+#   inside core: base < geometry < types < graph < {solve, io} < plugin < conformance;
 #   inside types_lfd: the order of rooms below; edges only by the plugin.
 # SuiteSparse's CHOLMOD is named in plugins/solver_cholmod alone.
 # Usage: cmake -DSOURCE=dir [-DEXPECT_VIOLATIONS=n] -P check_includes.cmake
 
-set(core_order base geometry types graph solve io plugin)
+set(core_order base geometry types graph solve io plugin conformance)
 set(lfd_order xml demo robot map grasp reach build model motion eval refine teach learn)
 
 set(violations 0)

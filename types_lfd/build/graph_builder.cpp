@@ -80,14 +80,14 @@ class Builder {
     std::vector<Pose> held;
     for (const PreparedDemonstration& d : prepared_.demonstrations) {
       for (std::size_t i = d.segments.grasp; i <= d.segments.release; ++i) {
-        held.push_back(d.objectToHand(i));
+        held.push_back(d.matched.object.poses[i].inverse() * d.gripperLikeHand(i));
       }
     }
     const Pose mean = meanPose(held);
     addPose(GraphLayout::kHumanGrasp, mean);
     addPose(GraphLayout::kRobotGrasp, mean);
     for (std::size_t d = 0; d < prepared_.demonstrations.size(); ++d) {
-      addPose(layout_.handToGripper(d), Pose());
+      addPose(layout_.handToGripper(d), demo(d).hand_turned ? flippedGrasp(Pose()) : Pose());
     }
     addEdge("LFD_GRASP_QUALITY", {GraphLayout::kRobotGrasp}, poseInformation(w_.grasp_quality), {},
             {kGraspSet});
@@ -99,7 +99,7 @@ class Builder {
       addPose(layout_.vertex(d, i, Entity::kHand), p.matched.hand.poses[i]);
       addPose(layout_.vertex(d, i, Entity::kObject), p.matched.object.poses[i]);
       addPose(layout_.vertex(d, i, Entity::kTorso), p.matched.torso.poses[i]);
-      addPose(layout_.vertex(d, i, Entity::kGripper), p.matched.hand.poses[i]);
+      addPose(layout_.vertex(d, i, Entity::kGripper), p.gripperLikeHand(i));
       graph_.vertices.push_back({"LFD_BASE", layout_.vertex(d, i, Entity::kBase),
                                  numbers(uprightBase(p.matched.torso.poses[i]))});
     }
@@ -129,21 +129,38 @@ class Builder {
               poseInformation({factor * accuracy.sigma_t, factor * accuracy.sigma_r}),
               numbers(track.poses[i - 1].inverse() * track.poses[i]));
       if (!steady || i < 2) continue;
+      // A hand stops at the object, and leaves it, at once.
+      const Segmentation& segments = demo(d).segments;
+      const bool contact = i - 1 == segments.grasp || i - 1 == segments.release;
+      if (entity == Entity::kHand && contact) continue;
       const double dt_1 = times[i - 1] - times[i - 2];
       const double dt_2 = times[i] - times[i - 1];
       const double root = std::sqrt(0.5 * (dt_1 + dt_2));
+      const Sigma& steady = steadiness(entity, demo(d).phase(i - 1));
       addEdge("LFD_STEADY_MOTION",
               {layout_.vertex(d, i - 2, entity), layout_.vertex(d, i - 1, entity),
                layout_.vertex(d, i, entity)},
-              poseInformation({w_.steady_motion.t * root, w_.steady_motion.r * root}),
-              {dt_1, dt_2});
+              poseInformation({steady.t * root, steady.r * root}), {dt_1, dt_2});
     }
+  }
+
+  const Sigma& steadiness(Entity entity, MotionPhase phase) const {
+    const bool hand = entity == Entity::kHand;
+    switch (phase) {
+      case MotionPhase::kFree:
+        return hand ? w_.steady_hand_free : w_.steady_object_free;
+      case MotionPhase::kContact:
+        return hand ? w_.steady_hand_contact : w_.steady_object_contact;
+      case MotionPhase::kHeld:
+        break;
+    }
+    return hand ? w_.steady_hand_held : w_.steady_object_held;
   }
 
   /// E4 on the manipulation.
   void addHumanGrasp(std::size_t d) {
     for (std::size_t i = demo(d).segments.grasp; i <= demo(d).segments.release; ++i) {
-      addEdge("LFD_HUMAN_GRASP",
+      addEdge(demo(d).hand_turned ? "LFD_HUMAN_GRASP_TURNED" : "LFD_HUMAN_GRASP",
               {layout_.vertex(d, i, Entity::kHand), layout_.vertex(d, i, Entity::kObject),
                GraphLayout::kHumanGrasp},
               poseInformation(w_.human_grasp));
@@ -154,7 +171,8 @@ class Builder {
   void addGripper(std::size_t d) {
     const PreparedDemonstration& p = demo(d);
     const std::int64_t offset = layout_.handToGripper(d);
-    addEdge("LFD_RESEMBLANCE", {offset}, poseInformation(w_.resemblance));
+    addEdge(p.hand_turned ? "LFD_RESEMBLANCE_TURNED" : "LFD_RESEMBLANCE", {offset},
+            poseInformation(w_.resemblance));
     for (std::size_t i = 0; i < p.size(); ++i) {
       const std::int64_t gripper = layout_.vertex(d, i, Entity::kGripper);
       addEdge("LFD_HAND_GRIPPER", {gripper, layout_.vertex(d, i, Entity::kHand), offset},

@@ -2,6 +2,7 @@
 #include "types_lfd/build/prepare.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "types_lfd/demo/accuracy.hpp"
 #include "types_lfd/demo/clean.hpp"
@@ -14,6 +15,48 @@ std::size_t PreparedTask::tupleCount() const {
   for (const PreparedDemonstration& demo : demonstrations) count += demo.size();
   return count;
 }
+
+namespace {
+
+/// The motion prior of hand and object from the tracks, where the task does not
+/// give it.
+void findSteadiness(PreparedTask& prepared) {
+  Weights& w = prepared.weights;
+  struct Found {
+    MatchedTrack MatchedDemonstration::*track;
+    TrackerAccuracy accuracy;
+    const char* name;
+    std::array<Sigma*, kMotionPhases> weights;
+  };
+  const DemonstrationAccuracy& accuracy = prepared.demonstrations.front().accuracy;
+  const Found entities[] = {
+      {&MatchedDemonstration::hand,
+       accuracy.hand,
+       "steady_hand",
+       {&w.steady_hand_free, &w.steady_hand_contact, &w.steady_hand_held}},
+      {&MatchedDemonstration::object,
+       accuracy.object,
+       "steady_object",
+       {&w.steady_object_free, &w.steady_object_contact, &w.steady_object_held}}};
+  for (const Found& entity : entities) {
+    const bool given = std::any_of(
+        prepared.task.weights.begin(), prepared.task.weights.end(), [&](const WeightOverride& o) {
+          return o.edge == "steady_motion" || o.edge.rfind(entity.name, 0) == 0;
+        });
+    if (given) continue;
+    std::vector<PhasedTrack> tracks;
+    for (const PreparedDemonstration& d : prepared.demonstrations) {
+      PhasedTrack track{&d.matched.times, &(d.matched.*entity.track), {}};
+      for (std::size_t i = 0; i < d.size(); ++i) track.phases.push_back(d.phase(i));
+      tracks.push_back(std::move(track));
+    }
+    const auto noise =
+        estimateMotionNoise(tracks, entity.accuracy, {w.steady_motion.t, w.steady_motion.r});
+    for (std::size_t p = 0; p < kMotionPhases; ++p) *entity.weights[p] = {noise[p].t, noise[p].r};
+  }
+}
+
+}  // namespace
 
 PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics) {
   PreparedTask prepared;
@@ -49,6 +92,7 @@ PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics)
     }
     prepared.demonstrations.push_back(std::move(demo));
   }
+  findSteadiness(prepared);
   return prepared;
 }
 
@@ -68,26 +112,6 @@ Pose meanPose(const std::vector<Pose>& poses) {
     if (step.norm() < 1e-14) break;
   }
   return mean;
-}
-
-GraspSpread graspSpread(const std::vector<PreparedDemonstration>& demonstrations) {
-  GraspSpread spread;
-  for (const PreparedDemonstration& demo : demonstrations) {
-    std::vector<Pose> poses;
-    for (std::size_t i = demo.segments.grasp; i <= demo.segments.release; ++i) {
-      poses.push_back(demo.objectToHand(i));
-    }
-    spread.object_T_hand.push_back(meanPose(poses));
-  }
-  for (std::size_t i = 0; i < demonstrations.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const Vec<double, 6> e =
-          poseError(spread.object_T_hand[i].inverse() * spread.object_T_hand[j]);
-      spread.distance = std::max(spread.distance, e.head<3>().norm());
-      spread.angle = std::max(spread.angle, e.tail<3>().norm());
-    }
-  }
-  return spread;
 }
 
 }  // namespace graft::lfd

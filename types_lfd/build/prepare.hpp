@@ -6,8 +6,10 @@
 
 #include "types_lfd/build/weights.hpp"
 #include "types_lfd/demo/match.hpp"
+#include "types_lfd/demo/motion_noise.hpp"
 #include "types_lfd/demo/segment.hpp"
 #include "types_lfd/demo/task.hpp"
+#include "types_lfd/grasp/grasp_set.hpp"
 
 namespace graft::lfd {
 
@@ -23,12 +25,24 @@ struct PreparedDemonstration {
   MatchedDemonstration matched;
   Segmentation segments;
   DemonstrationAccuracy accuracy;
+  /// The hand holds the object turned by half a turn about the approach axis
+  /// against the other demonstrations (grasp_modes.hpp): the same grasp for a
+  /// parallel gripper.
+  bool hand_turned = false;
 
   std::size_t size() const { return matched.size(); }
   bool manipulating(std::size_t i) const { return i >= segments.grasp && i <= segments.release; }
+  MotionPhase phase(std::size_t i) const {
+    return motionPhase(matched.times, segments.grasp, segments.release, i);
+  }
   /// object_T_hand of tuple i as matched.
   Pose objectToHand(std::size_t i) const {
     return matched.object.poses[i].inverse() * matched.hand.poses[i];
+  }
+  /// The matched hand of tuple i as a gripper would take its place: turned back
+  /// where the hand is turned.
+  Pose gripperLikeHand(std::size_t i) const {
+    return hand_turned ? flippedGrasp(matched.hand.poses[i]) : matched.hand.poses[i];
   }
 };
 
@@ -48,14 +62,5 @@ PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics)
 /// Mean of poses: arithmetic in translation, Frechet mean (geodesic) in
 /// rotation. At least one pose.
 Pose meanPose(const std::vector<Pose>& poses);
-
-/// How far a mode's demonstrations disagree about where the hand holds the
-/// object.
-struct GraspSpread {
-  std::vector<Pose> object_T_hand;  ///< per demonstration, mean over manipulation
-  double distance = 0;              ///< largest between two demonstrations, m
-  double angle = 0;                 ///< likewise, rad
-};
-GraspSpread graspSpread(const std::vector<PreparedDemonstration>& demonstrations);
 
 }  // namespace graft::lfd

@@ -12,6 +12,12 @@ struct NamedWeight {
 };
 
 constexpr NamedWeight kNamed[] = {{"steady_motion", "", &Weights::steady_motion},
+                                  {"steady_hand_free", "", &Weights::steady_hand_free},
+                                  {"steady_hand_contact", "", &Weights::steady_hand_contact},
+                                  {"steady_hand_held", "", &Weights::steady_hand_held},
+                                  {"steady_object_free", "", &Weights::steady_object_free},
+                                  {"steady_object_contact", "", &Weights::steady_object_contact},
+                                  {"steady_object_held", "", &Weights::steady_object_held},
                                   {"smooth_floor", "E3", &Weights::smooth_floor},
                                   {"human_grasp", "E4", &Weights::human_grasp},
                                   {"robot_grasp", "E5", &Weights::robot_grasp},
@@ -33,6 +39,14 @@ Weights weightsFor(const Task& task, Diagnostics& diagnostics) {
       names += (names.empty() ? "" : ", ") + std::string(known.name);
       if (given.edge != known.name && given.edge != known.paper) continue;
       weights.*known.member = {given.sigma_t, given.sigma_r};
+      if (known.member == &Weights::steady_motion) {
+        for (Sigma Weights::*steady :
+             {&Weights::steady_hand_free, &Weights::steady_hand_contact, &Weights::steady_hand_held,
+              &Weights::steady_object_free, &Weights::steady_object_contact,
+              &Weights::steady_object_held}) {
+          weights.*steady = weights.steady_motion;
+        }
+      }
       found = true;
     }
     if (!found) {

@@ -27,8 +27,19 @@ struct Weights {
   /// E2 between interpolated poses is trusted this much less again.
   double interpolated_factor = 2;
   /// Change of velocity in one second (white-noise acceleration): people move
-  /// furniture, and reach for it, smoothly at the rate of a tracker.
+  /// furniture, and reach for it, smoothly at the rate of a tracker. How
+  /// smoothly is found from the tracks, around this and separately for what
+  /// moves free, makes or loses contact, and is held; given in the task, it holds
+  /// for all of these. Not across the instants of grasp and release, where a hand
+  /// stops or starts at once: held there, too, its momentum pushes the learned
+  /// grasp off by up to a centimetre.
   Sigma steady_motion{0.05, 0.2};
+  Sigma steady_hand_free = steady_motion;
+  Sigma steady_hand_contact = steady_motion;
+  Sigma steady_hand_held = steady_motion;
+  Sigma steady_object_free = steady_motion;
+  Sigma steady_object_contact = steady_motion;
+  Sigma steady_object_held = steady_motion;
   /// E3: a step may be as long as the demonstrated one, times this (paper:
   /// "scaled by the distance between the poses"), and at least the floor below.
   double smooth_factor = 1;

@@ -85,7 +85,9 @@ double predictionSigma(const std::vector<double>& times, double at) {
 /// How far sample i is off the line of samples [first, last], in units in which
 /// samples in the middle and at the ends of a track compare.
 Residual offTheLine(const Trajectory& track, std::size_t i, std::size_t first, std::size_t last) {
-  // The medoid's rotation: the sample nearest to all others, never an outlier.
+  // In the frame of the rotation's medoid, the sample nearest to all others and
+  // never an outlier: medians by axis depend on the axes, and those of the fixed
+  // frame would let its choice decide.
   std::size_t medoid = first;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t j = first; j <= last; ++j) {
@@ -98,25 +100,22 @@ Residual offTheLine(const Trajectory& track, std::size_t i, std::size_t first, s
       medoid = j;
     }
   }
-  const Eigen::Quaterniond reference = track.poses[medoid].rotation;
+  const Pose medoid_T_world = track.poses[medoid].inverse();
   std::vector<double> times;
   std::vector<double> values[6];
   for (std::size_t j = first; j <= last; ++j) {
     if (j == i) continue;
     times.push_back(track.times[j]);
-    const Eigen::Vector3d turn =
-        logSO3(Eigen::Quaterniond(reference.conjugate() * track.poses[j].rotation));
-    for (int k = 0; k < 3; ++k) {
-      values[k].push_back(track.poses[j].translation[k]);
-      values[k + 3].push_back(turn[k]);
-    }
+    const Vec<double, 6> off = poseError(medoid_T_world * track.poses[j]);
+    for (int k = 0; k < 6; ++k) values[k].push_back(off[k]);
   }
   Vec<double, 6> line;
   for (int k = 0; k < 6; ++k) line[k] = repeatedMedianLine(times, values[k], track.times[i]);
-  const Eigen::Quaterniond rotation = reference * expSO3<double>(line.tail<3>());
+  const Pose here = medoid_T_world * track.poses[i];
+  const Eigen::Quaterniond rotation = expSO3<double>(line.tail<3>());
   const double scale = 1 / predictionSigma(times, track.times[i]);
-  return {scale * (track.poses[i].translation - line.head<3>()).norm(),
-          scale * rotationAngle(rotation.conjugate() * track.poses[i].rotation)};
+  return {scale * (here.translation - line.head<3>()).norm(),
+          scale * rotationAngle(rotation.conjugate() * here.rotation)};
 }
 
 /// Marks samples whose residual is neither small nor usual.

@@ -22,12 +22,12 @@ void warnOfGap(const std::string& path, const Trajectory& track, Diagnostics& di
 }
 
 /// Reads one file; true if it is a usable track.
-bool readTrack(const std::string& path, Trajectory& track, Diagnostics& diagnostics) {
+bool readOneTrack(const std::string& path, Trajectory& track, Diagnostics& diagnostics) {
   // Its own collection: what is wrong with one file must not hide what is
   // wrong with the next.
   Diagnostics found;
   try {
-    track = readTum(path, found);
+    track = readTrack(path, found);
   } catch (const Error& error) {
     found.error(error.where(), error.what());
   }
@@ -84,10 +84,10 @@ TrackSummary summarize(const Trajectory& track) {
 Demonstration readDemonstration(const DemonstrationSpec& spec, Diagnostics& diagnostics) {
   Demonstration demonstration;
   demonstration.name = spec.name;
-  bool usable = readTrack(spec.hand, demonstration.hand, diagnostics);
-  usable = readTrack(spec.object, demonstration.object, diagnostics) && usable;
+  bool usable = readOneTrack(spec.hand, demonstration.hand, diagnostics);
+  usable = readOneTrack(spec.object, demonstration.object, diagnostics) && usable;
   if (!spec.torso.empty()) {
-    usable = readTrack(spec.torso, demonstration.torso, diagnostics) && usable;
+    usable = readOneTrack(spec.torso, demonstration.torso, diagnostics) && usable;
   }
   if (spec.hand_offset) {
     for (Pose& pose : demonstration.hand.poses) {

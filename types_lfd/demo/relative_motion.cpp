@@ -28,21 +28,18 @@ constexpr double kMotionWindow = 0.5;
 constexpr double kOnset = 1.0 / 6;
 constexpr double kClearShare = 0.2;
 
-/// Pose in the middle of a set: medians of translation, and of the rotation
-/// vectors relative to the first.
+/// Pose in the middle of a set: medians of translation and rotation vector as
+/// seen from the first, whose axes, unlike the fixed frame's, move with the scene.
 Pose medianPose(const std::vector<Pose>& poses, std::size_t first, std::size_t last) {
-  Vec<double, 6> middle;
-  for (int k = 0; k < 6; ++k) {
-    std::vector<double> values;
-    for (std::size_t i = first; i <= last; ++i) {
-      const Pose& pose = poses[i];
-      values.push_back(k < 3 ? pose.translation[k]
-                             : logSO3(Eigen::Quaterniond(poses[first].rotation.conjugate() *
-                                                         pose.rotation))[k - 3]);
-    }
-    middle[k] = medianOf(std::move(values));
+  const Pose first_T_world = poses[first].inverse();
+  std::vector<double> values[6];
+  for (std::size_t i = first; i <= last; ++i) {
+    const Vec<double, 6> off = poseError(first_T_world * poses[i]);
+    for (int k = 0; k < 6; ++k) values[k].push_back(off[k]);
   }
-  return Pose(middle.head<3>(), poses[first].rotation * expSO3<double>(middle.tail<3>()));
+  Vec<double, 6> middle;
+  for (int k = 0; k < 6; ++k) middle[k] = medianOf(std::move(values[k]));
+  return poses[first] * Pose(middle.head<3>(), expSO3<double>(middle.tail<3>()));
 }
 
 /// White noise of a track; none where it is too short to tell.

@@ -7,6 +7,12 @@
 
 namespace graft::lfd {
 
+/// Half a turn about the x axis, as flippedGrasp() takes it.
+template <class T>
+SE3<T> halfTurn() {
+  return SE3<T>(Vec<T, 3>(T(0), T(0), T(0)), Eigen::Quaternion<T>(T(0), T(1), T(0), T(0)));
+}
+
 /// e = poseError(rel^-1 (frame^-1 body)): the pose of `body` in `frame` is the
 /// transform `rel`, whatever moves. The form of paper eqs. 4, 5 and 7.
 template <class Derived>
@@ -36,6 +42,18 @@ struct HumanGraspEdge : FixedTransformEdge<HumanGraspEdge> {
   static constexpr auto doc = "E4: hand fixed on the object while it is moved (paper eq. 4)";
 };
 
+/// E4 of a demonstration whose hand holds the object turned by half a turn about
+/// its approach (x) axis against the one that V_HG describes. It has a type of its
+/// own, so that files hold the hand as it was recorded.
+struct TurnedHumanGraspEdge : Edge<TurnedHumanGraspEdge, 6, SE3, SE3, SE3> {
+  static constexpr auto tag = "LFD_HUMAN_GRASP_TURNED";
+  static constexpr auto doc = "E4 of a hand that is turned by 180 degrees about its x axis";
+  template <class T>
+  Vec<T, 6> error(const SE3<T>& hand, const SE3<T>& object, const SE3<T>& object_T_hand) const {
+    return poseError(object_T_hand.inverse() * (object.inverse() * (hand * halfTurn<T>())));
+  }
+};
+
 /// E5, paper eq. 5: gripper, object, V_RG = object_T_gripper.
 struct RobotGraspEdge : FixedTransformEdge<RobotGraspEdge> {
   static constexpr auto tag = "LFD_ROBOT_GRASP";
@@ -58,6 +76,17 @@ struct ResemblanceEdge : Edge<ResemblanceEdge, 6, SE3> {
   }
   void jacobians(const Pose& rel, JacobianBlock<6, 6> by_rel) const {
     PoseChainDerivatives(rel, Pose(), Pose()).byZ(by_rel);
+  }
+};
+
+/// E8 of a demonstration whose hand is turned (see E4): pulls V_gh towards half a
+/// turn about the x axis.
+struct TurnedResemblanceEdge : Edge<TurnedResemblanceEdge, 6, SE3> {
+  static constexpr auto tag = "LFD_RESEMBLANCE_TURNED";
+  static constexpr auto doc = "E8 of a hand that is turned by 180 degrees about its x axis";
+  template <class T>
+  Vec<T, 6> error(const SE3<T>& hand_T_gripper) const {
+    return poseError(hand_T_gripper.inverse() * halfTurn<T>());
   }
 };
 

@@ -34,6 +34,11 @@ Spread spreadOf(const std::vector<Pose>& poses) {
   return spread;
 }
 
+/// The hand, turned back where it is turned.
+Pose handOf(const DemonstrationEstimate& demo, std::size_t i) {
+  return demo.hand_turned ? flippedGrasp(demo.hand[i]) : demo.hand[i];
+}
+
 void addGraspRows(const std::vector<DemonstrationEstimate>& demos, const Scene& scene,
                   Table1& table) {
   for (const DemonstrationEstimate& demo : demos) {
@@ -54,7 +59,7 @@ void addSpreadRows(const std::vector<DemonstrationEstimate>& demos, Table1& tabl
     for (std::size_t i = demo.segments.grasp; i <= demo.segments.release; ++i) {
       const Pose object_T_world = demo.object[i].inverse();
       grippers.push_back(object_T_world * demo.gripper[i]);
-      hands.push_back(object_T_world * demo.hand[i]);
+      hands.push_back(object_T_world * handOf(demo, i));
     }
   }
   const Spread gripper = spreadOf(grippers);
@@ -86,9 +91,12 @@ DemonstrationEstimate estimateFromInput(const PreparedDemonstration& demo) {
   estimate.hand = demo.matched.hand.poses;
   estimate.object = demo.matched.object.poses;
   estimate.torso = demo.matched.torso.poses;
-  estimate.gripper = demo.matched.hand.poses;
+  for (std::size_t i = 0; i < demo.size(); ++i) {
+    estimate.gripper.push_back(demo.gripperLikeHand(i));
+  }
   for (const Pose& torso : demo.matched.torso.poses) estimate.base.push_back(uprightBase(torso));
   estimate.segments = demo.segments;
+  estimate.hand_turned = demo.hand_turned;
   return estimate;
 }
 
@@ -106,7 +114,7 @@ Table1 computeTable1(const std::vector<DemonstrationEstimate>& demos, const Scen
     for (std::size_t i = 0; i < demo.size(); ++i) {
       ++tuples;
       hand_distance += distance(demo.hand[i], demo.gripper[i]);
-      hand_angle += angle(demo.hand[i], demo.gripper[i]);
+      hand_angle += angle(handOf(demo, i), demo.gripper[i]);
       if (scene.reach->contains(demo.gripper[i], demo.base[i])) ++reachable;
       if (scene.footprint != nullptr && !scene.footprint->inCollision(demo.base[i])) ++free;
     }

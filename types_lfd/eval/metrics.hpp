@@ -23,10 +23,12 @@ struct DemonstrationEstimate {
   std::vector<Pose> gripper;
   std::vector<Pose2> base;
   Segmentation segments;
+  bool hand_turned = false;  ///< see PreparedDemonstration
   std::size_t size() const { return times.size(); }
 };
 
-/// What is given: hand = gripper, base = torso made upright ("before").
+/// What is given: gripper = hand (turned back where it is turned), base = torso made upright
+/// ("before").
 DemonstrationEstimate estimateFromInput(const PreparedDemonstration& demo);
 
 /// Rows of the paper's Table I; empty where a row is undefined.
@@ -36,7 +38,8 @@ struct Table1 {
   /// nearest to it by E6's metric.
   double gripper_grasp_m = 0;
   double gripper_grasp_rad = 0;
-  /// Mean over all tuples of distance and angle between gripper and hand.
+  /// Mean over all tuples of distance and angle between gripper and hand. Here
+  /// and below the hand of a demonstration that is turned counts turned back.
   std::optional<double> gripper_hand_m;
   std::optional<double> gripper_hand_rad;
   /// Spread of the gripper (hand) seen from the object over all manipulation

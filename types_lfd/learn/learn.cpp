@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "types_lfd/learn/learn.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -19,8 +20,15 @@ using Clock = std::chrono::steady_clock;
 /// Measures phases and passes their progress on.
 class Phases {
  public:
-  Phases(LearnResult& result, const LearnOptions& options)
-      : seconds_(result.seconds), options_(options), start_(Clock::now()), total_(start_) {}
+  /// `reading`: seconds that reading the task took.
+  Phases(LearnResult& result, const LearnOptions& options, double reading)
+      : seconds_(result.seconds),
+        options_(options),
+        start_(Clock::now()),
+        total_(start_),
+        reading_(reading) {
+    seconds_["prepare"] = reading;
+  }
 
   void begin(const std::string& phase) {
     end();
@@ -34,7 +42,7 @@ class Phases {
   void end() {
     const auto now = Clock::now();
     if (!name_.empty()) seconds_[name_] += seconds(start_, now);
-    seconds_["total"] = seconds(total_, now);
+    seconds_["total"] = reading_ + seconds(total_, now);
     name_.clear();
   }
 
@@ -48,6 +56,7 @@ class Phases {
   std::string name_;
   Clock::time_point start_;
   Clock::time_point total_;
+  double reading_;
 };
 
 /// Hands the description to the engine exactly as a file would be.
@@ -155,14 +164,20 @@ void refine(LearnResult& result, const LearnOptions& options, Diagnostics& diagn
 
 void runOptimizer(LoadedGraph& loaded, Registry& registry, const LearnOptions& options,
                   const Extractor& extractor, const Phases& phases, LearnResult& result) {
+  const auto wants = [&](int iteration) {
+    return std::count(options.snapshots.begin(), options.snapshots.end(), iteration) > 0;
+  };
+  // Before the solver looks for a better start: 0 is what was demonstrated.
+  if (wants(0)) result.snapshots[0] = extractor.demonstrations(loaded.values);
   SolveOptions solve;
   solve.iterations = options.iterations;
   solve.threads = options.threads;
   solve.interrupt = options.interrupt;
   solve.callback = [&](const IterationRecord& record, const Values& values) {
     phases.report(double(record.iteration) / std::max(1, options.iterations));
-    for (const int wanted : options.snapshots) {
-      if (wanted == record.iteration) result.snapshots[wanted] = extractor.demonstrations(values);
+    const int iteration = record.iteration;
+    if (iteration > 0 && wants(iteration)) {
+      result.snapshots[iteration] = extractor.demonstrations(values);
     }
     return true;
   };
@@ -181,27 +196,18 @@ void runOptimizer(LoadedGraph& loaded, Registry& registry, const LearnOptions& o
 
 }  // namespace
 
-std::vector<std::string> describeDisagreement(const LearnResult& result) {
-  std::vector<std::string> lines;
-  const auto& demos = result.task.demonstrations;
-  for (std::size_t b = 0; b < demos.size(); ++b) {
-    for (std::size_t a = 0; a < b; ++a) {
-      if (sameGrasp(result.spread, a, b)) continue;
-      const Vec<double, 6> e =
-          poseError(result.spread.object_T_hand[a].inverse() * result.spread.object_T_hand[b]);
-      char text[160];
-      std::snprintf(text, sizeof text, "%s and %s hold the object %.1f cm and %.0f degrees apart",
-                    demos[a].matched.name.c_str(), demos[b].matched.name.c_str(),
-                    100 * e.head<3>().norm(), e.tail<3>().norm() * 180 / 3.14159265358979323846);
-      lines.emplace_back(text);
-    }
-  }
-  return lines;
+RecordedTask readRecordings(const std::string& task_path, Diagnostics& diagnostics) {
+  const auto start = Clock::now();
+  RecordedTask recorded;
+  recorded.task = prepareTask(task_path, diagnostics);
+  recorded.holds = recordedHolds(recorded.task.demonstrations);
+  recorded.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return recorded;
 }
 
 BuiltGraph buildTaskGraph(const std::string& task_path, const std::string& resource_directory,
                           Registry& registry, Diagnostics& diagnostics) {
-  const PreparedTask prepared = prepareTask(task_path, diagnostics);
+  const PreparedTask prepared = prepareUsualMode(task_path, diagnostics);
   const TaskScene scene = loadScene(prepared.task, diagnostics);
   const ResourceFiles files = writeSceneFiles(prepared.task, scene, resource_directory);
   const GraphDescription description = buildGraph(prepared, files);
@@ -210,19 +216,31 @@ BuiltGraph buildTaskGraph(const std::string& task_path, const std::string& resou
   return {formatG2o(loaded.graph, loaded.values), description.countsByTag()};
 }
 
+LearnResult withoutCommonGrasp(const RecordedTask& recorded) {
+  LearnResult result;
+  result.task = recorded.task;
+  result.holds = recorded.holds;
+  result.common_grasp = false;
+  result.seconds = {{"prepare", recorded.seconds}, {"total", recorded.seconds}};
+  return result;
+}
+
 LearnResult learn(const std::string& task_path, const std::string& resource_directory,
                   Registry& registry, Diagnostics& diagnostics, const LearnOptions& options) {
+  const RecordedTask recorded = readRecordings(task_path, diagnostics);
+  if (!recorded.holds.common()) return withoutCommonGrasp(recorded);
+  warnOfLeftOut(recorded.task, recorded.holds, 0, diagnostics);
+  return learn(recorded, 0, resource_directory, registry, diagnostics, options);
+}
+
+LearnResult learn(const RecordedTask& recorded, std::size_t mode,
+                  const std::string& resource_directory, Registry& registry,
+                  Diagnostics& diagnostics, const LearnOptions& options) {
   LearnResult result;
-  Phases phases(result, options);
-  phases.begin("prepare");
-  result.task = prepareTask(task_path, diagnostics);
-  result.spread = graspSpread(result.task.demonstrations);
-  result.modes = findGraspModes(result.spread);
-  result.common_grasp = result.modes.size() == 1;
-  if (!result.common_grasp) {
-    phases.end();
-    return result;
-  }
+  Phases phases(result, options, recorded.seconds);
+  result.holds = recorded.holds;
+  result.mode = mode;
+  result.task = taskOfMode(recorded.task, recorded.holds, mode, diagnostics);
   phases.begin("reachability");
   result.scene =
       loadScene(result.task.task, diagnostics, [&](double fraction) { phases.report(fraction); });
@@ -242,10 +260,14 @@ LearnResult learn(const std::string& task_path, const std::string& resource_dire
   const Extractor extractor(result, loaded.graph);
   runOptimizer(loaded, registry, options, extractor, phases, result);
   result.after = extractor.demonstrations(loaded.values);
+  result.table_optimized = computeTable1(result.after, scene, false);
+  if (options.optimize_only) {
+    phases.end();
+    return result;
+  }
   result.graph_optimized = formatG2o(loaded.graph, loaded.values);
 
   phases.begin("refine");
-  result.table_optimized = computeTable1(result.after, scene, false);
   refine(result, options, diagnostics);
 
   phases.begin("evaluate");

@@ -23,9 +23,23 @@ struct LearnOptions {
   std::vector<int> snapshots{0, 1, 5, 20};
   int threads = 0;  ///< 0 = all processors; results do not depend on it
   const std::atomic<int>* interrupt = nullptr;
+  /// Stop after the optimization: `after` and table_optimized are there, nothing
+  /// that comes later.
+  bool optimize_only = false;
   /// Told which phase runs and how far it is (0..1).
   std::function<void(const std::string& phase, double fraction)> progress;
 };
+
+/// A task read up to its segments, and the ways in which it is demonstrated.
+struct RecordedTask {
+  PreparedTask task;
+  RecordedHolds holds;
+  double seconds = 0;  ///< that reading took
+};
+
+/// The stages before the choice of a way of holding the object. Throws as
+/// prepareTask() does.
+RecordedTask readRecordings(const std::string& task_path, Diagnostics& diagnostics);
 
 /// The transforms that the graph estimates and the grasp that was chosen.
 struct LearnedGrasp {
@@ -43,12 +57,12 @@ struct LearnedGrasp {
 
 /// Everything that was found out about a task.
 struct LearnResult {
-  PreparedTask task;
+  PreparedTask task;  ///< with the demonstrations of the learned mode only
   TaskScene scene;
-  GraspSpread spread;
-  std::vector<GraspMode> modes;  ///< ways of holding the object, most demonstrations first
-  /// False where the demonstrations hold the object in different ways; then all
-  /// below is empty.
+  RecordedHolds holds;   ///< of all demonstrations
+  std::size_t mode = 0;  ///< the one of holds.modes that was learned
+  /// False where no two demonstrations hold the object alike; then `task` has all
+  /// demonstrations and all below is empty.
   bool common_grasp = true;
   std::vector<DemonstrationEstimate> before;
   std::vector<DemonstrationEstimate> after;  ///< optimized, bases refined
@@ -67,24 +81,29 @@ struct LearnResult {
   std::map<std::string, double> seconds;
 };
 
-/// Runs all stages. The files that the graph's resources name are written to
-/// `resource_directory`/resources (which must exist), so that graph.g2o beside
-/// that folder is self-contained. Throws Error; Error(kNoResult) where the
-/// solver fails.
+/// Runs all stages after reading on one of `recorded.holds.modes`. The files that
+/// the graph's resources name are written to `resource_directory`/resources
+/// (`resource_directory` must exist), so that graph.g2o beside that folder is
+/// self-contained. Throws Error; Error(kNoResult) where the solver fails.
+LearnResult learn(const RecordedTask& recorded, std::size_t mode,
+                  const std::string& resource_directory, Registry& registry,
+                  Diagnostics& diagnostics, const LearnOptions& options = LearnOptions());
+
+/// What is known where no two demonstrations hold the object alike.
+LearnResult withoutCommonGrasp(const RecordedTask& recorded);
+
+/// Reads a task and learns the mode that most demonstrations show.
 LearnResult learn(const std::string& task_path, const std::string& resource_directory,
                   Registry& registry, Diagnostics& diagnostics,
                   const LearnOptions& options = LearnOptions());
 
-/// The stages up to the graph alone, as `learn` does them.
+/// The stages up to the graph alone, as `learn` does them for the mode that most
+/// demonstrations show. Throws Error(kNoResult) where no two hold the object alike.
 struct BuiltGraph {
   std::string text;                           ///< graph.g2o
   std::map<std::string, std::size_t> counts;  ///< vertices and edges by tag
 };
 BuiltGraph buildTaskGraph(const std::string& task_path, const std::string& resource_directory,
                           Registry& registry, Diagnostics& diagnostics);
-
-/// Which demonstrations disagree about the grasp, and by how much; one line a
-/// pair that is too far apart.
-std::vector<std::string> describeDisagreement(const LearnResult& result);
 
 }  // namespace graft::lfd

@@ -19,20 +19,29 @@ Json poseNumbers(const Pose& pose) {
   return v;
 }
 
-/// Ways of holding the object; the grasp is known for one that was learned.
+/// Ways of holding the object; the grasp is known for the one that was learned.
 Json graspModes(const LearnResult& result) {
   Json modes = Json::array();
-  for (const GraspMode& mode : result.modes) {
+  for (std::size_t m = 0; m < result.holds.modes.size(); ++m) {
+    const GraspMode& mode = result.holds.modes[m];
     Json names = Json::array();
-    for (const std::size_t d : mode.demonstrations) {
-      names.push_back(result.task.demonstrations[d].matched.name);
-    }
+    for (const std::size_t d : mode.demonstrations) names.push_back(result.holds.names[d]);
+    const bool learned = result.common_grasp && m == result.mode;
     modes.push_back({{"demonstrations", names},
-                     {"grasp", result.common_grasp ? Json(result.grasp.row) : Json(nullptr)},
+                     {"grasp", learned ? Json(result.grasp.row) : Json(nullptr)},
                      {"spread_m", mode.distance},
                      {"spread_rad", mode.angle}});
   }
   return modes;
+}
+
+/// Where each recorded demonstration holds the object.
+Json holdsJson(const LearnResult& result) {
+  Json holds = Json::object();
+  for (std::size_t d = 0; d < result.holds.names.size(); ++d) {
+    holds[result.holds.names[d]] = poseNumbers(result.holds.spread.object_T_hand[d]);
+  }
+  return holds;
 }
 
 Json weightsJson(const LearnResult& result) {
@@ -106,6 +115,8 @@ Json metricsJson(const LearnResult& result) {
     json["table1"] = nullptr;
   }
   json["grasp_modes"] = graspModes(result);
+  json["grasp_mode"] = result.common_grasp ? Json(result.mode) : Json(nullptr);
+  json["object_T_hand"] = holdsJson(result);
   json["weights"] = weightsJson(result);
   if (result.common_grasp) {
     json["iterations"] = result.summary.iterationCount();

@@ -6,6 +6,7 @@
 #include "core/base/file.hpp"
 #include "core/base/text.hpp"
 #include "core/io/trajectory.hpp"
+#include "types_lfd/build/grasp_modes.hpp"
 
 namespace graft::lfd {
 
@@ -78,6 +79,10 @@ DemonstrationEstimate readDemonstrationFolder(const std::string& directory,
   for (const Pose& base : read("base.tum")) demo.base.push_back(uprightBase(base));
   demo.segments.grasp = tupleAt(demo.times, segment.grasp_time, folder + "hand.tum");
   demo.segments.release = tupleAt(demo.times, segment.release_time, folder + "hand.tum");
+  if (demo.segments.release < demo.segments.grasp) {
+    throw Error(ExitCode::kInput, {directory + "/segments.csv", 0, 0},
+                "the release of " + graft::quoted(segment.demo) + " is before its grasp");
+  }
   return demo;
 }
 
@@ -86,8 +91,19 @@ DemonstrationEstimate readDemonstrationFolder(const std::string& directory,
 LearnedFolder readLearnedFolder(const std::string& directory) {
   LearnedFolder folder;
   folder.task = readSceneFiles(directory);
+  std::vector<Pose> holds;
   for (const SegmentLine& segment : readSegments(directory + "/segments.csv")) {
     folder.demonstrations.push_back(readDemonstrationFolder(directory, segment));
+    const DemonstrationEstimate& demo = folder.demonstrations.back();
+    std::vector<Pose> held;
+    for (std::size_t i = demo.segments.grasp; i <= demo.segments.release; ++i) {
+      held.push_back(demo.object[i].inverse() * demo.hand[i]);
+    }
+    holds.push_back(meanPose(held));
+  }
+  const std::vector<char> turned = turnedHands(holds);
+  for (std::size_t d = 0; d < turned.size(); ++d) {
+    folder.demonstrations[d].hand_turned = turned[d] != 0;
   }
   return folder;
 }

@@ -31,7 +31,7 @@ void writeTracks(const DemonstrationEstimate& demo, const std::string& folder,
 std::vector<std::string> learnOutputs() {
   return {"optimized",  "segments.csv", "grasp.json", "graph.g2o", "graph_optimized.g2o",
           "model.json", "metrics.json", "iterations", "pictures",  "report.html",
-          "resources"};
+          "resources",  "tune.json"};
 }
 
 std::string formatJoints(const std::vector<std::string>& names, const std::vector<double>& times,

@@ -14,6 +14,7 @@ namespace {
 // as much as moving there; what must not be outweighs any way around.
 constexpr double kPerMetreSecond = 1;
 constexpr double kPerSpeedRatio = 0.02;
+constexpr double kPerRadian = 1e-3;  // where the fastest joint is the same, less motion
 constexpr double kFastStep = 20;
 constexpr double kBlocked = 50;
 constexpr double kUnsolved = 50;    // per tuple
@@ -97,6 +98,7 @@ class Planner {
     const double ratio = placement_.speedRatio(a.placed.joints, b.placed.joints,
                                                placement_.seconds(key(k - 1), key(k)));
     cost += kPerSpeedRatio * ratio;
+    cost += kPerRadian * placement_.jointStep(a.placed.joints, b.placed.joints).norm();
     // Between the keys joints do not move evenly.
     const double allowed = options_.speed_factor * (key(k) > key(k - 1) + 1 ? 0.75 : 1.0);
     if (ratio > allowed) cost += kFastStep * std::min(2.0, ratio / allowed);
@@ -133,7 +135,8 @@ class Planner {
     if ((b - a).length() < kFar && std::hypot(q.x - p.x, q.y - p.y) < 2 * kFar) return true;
     for (std::size_t i = begin + 1; i < end; ++i) {
       const double f = placement_.seconds(begin, i) / placement_.seconds(begin, end);
-      const Eigen::VectorXd start = (1 - f) * from.placed.joints + f * to.placed.joints;
+      const Eigen::VectorXd start =
+          from.placed.joints + f * placement_.jointStep(from.placed.joints, to.placed.joints);
       if (!placement_.solveArm(i, placement_.between(i, begin, a, end, b), start)) return false;
     }
     return true;
@@ -179,10 +182,10 @@ class Planner {
     return layer;
   }
 
-  static bool known(const Layer& layer, std::size_t begin, const Eigen::VectorXd& q) {
+  bool known(const Layer& layer, std::size_t begin, const Eigen::VectorXd& q) const {
     constexpr double kSame = 0.05;
     return std::any_of(layer.begin() + std::ptrdiff_t(begin), layer.end(), [&](const State& s) {
-      return (s.placed.joints - q).cwiseAbs().maxCoeff() < kSame;
+      return placement_.jointStep(s.placed.joints, q).cwiseAbs().maxCoeff() < kSame;
     });
   }
 
@@ -206,7 +209,8 @@ class Planner {
       const Eigen::VectorXd& nearest = before[order.front().second].seed;
       attempt(nearest);
       for (const auto& [cost, a] : order) {
-        if ((before[a].seed - nearest).cwiseAbs().maxCoeff() < kOtherPosture) continue;
+        const Eigen::VectorXd apart = placement_.jointStep(nearest, before[a].seed);
+        if (apart.cwiseAbs().maxCoeff() < kOtherPosture) continue;
         attempt(before[a].seed);
         break;
       }

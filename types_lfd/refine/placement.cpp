@@ -31,6 +31,11 @@ Placement::Placement(const DemonstrationEstimate& demo, const TaskScene& scene)
   // does not is lost, and most of the time goes into those.
   ik_.iterations = 10;
   ik_.stall = 0.3;
+  if (demo.size() > 0) {
+    const double heading = demo.base[demo.segments.grasp].theta;
+    cosine_ = std::cos(heading);
+    sine_ = std::sin(heading);
+  }
 }
 
 void Placement::holdHeight(double height) {
@@ -44,7 +49,8 @@ void Placement::holdHeight(double height) {
 Pose2 Placement::base(std::size_t i, const BaseOffset& offset) const {
   const Pose2& b = demo_.base[i];
   if (offset.zero()) return b;
-  return {b.x + offset.x, b.y + offset.y, wrapAngle(b.theta + offset.yaw)};
+  return {b.x + cosine_ * offset.x - sine_ * offset.y, b.y + sine_ * offset.x + cosine_ * offset.y,
+          wrapAngle(b.theta + offset.yaw)};
 }
 
 BaseOffset Placement::between(std::size_t i, std::size_t begin, const BaseOffset& at_begin,
@@ -55,8 +61,9 @@ BaseOffset Placement::between(std::size_t i, std::size_t begin, const BaseOffset
   const Pose2 b = base(end, at_end);
   const Pose2& here = demo_.base[i];
   const double theta = a.theta + f * wrapAngle(b.theta - a.theta);
-  return {a.x + f * (b.x - a.x) - here.x, a.y + f * (b.y - a.y) - here.y,
-          wrapAngle(theta - here.theta)};
+  const double x = a.x + f * (b.x - a.x) - here.x;
+  const double y = a.y + f * (b.y - a.y) - here.y;
+  return {cosine_ * x + sine_ * y, cosine_ * y - sine_ * x, wrapAngle(theta - here.theta)};
 }
 
 Pose Placement::baseToGripper(std::size_t i, const BaseOffset& offset) const {
@@ -108,7 +115,9 @@ std::optional<Eigen::VectorXd> Placement::solveArmBetween(std::size_t i, const B
                                                           const Eigen::VectorXd* after,
                                                           double factor) const {
   IkBox box = box_;
-  const auto limit = [&](const Eigen::VectorXd& q, double time) {
+  const auto limit = [&](const Eigen::VectorXd& neighbour, double time) {
+    // In the turn of the start, as solutions near it are.
+    const Eigen::VectorXd q = start + jointStep(start, neighbour);
     for (int j = 0; j < chain().dof(); ++j) {
       // A hair less than allowed, so that rounding does not count.
       const double reach = factor * chain().velocity()[j] * time * (1 - 1e-9);
@@ -126,15 +135,21 @@ std::optional<Eigen::VectorXd> Placement::solveArmBetween(std::size_t i, const B
   return placed.joints;
 }
 
+Eigen::VectorXd Placement::jointStep(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  Eigen::VectorXd step = b - a;
+  for (int j = 0; j < chain().dof(); ++j) {
+    if (chain().continuous(j)) step[j] = wrapAngle(step[j]);
+  }
+  return step;
+}
+
 double Placement::speedRatio(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
                              double seconds) const {
+  const Eigen::VectorXd step = jointStep(a, b);
   double ratio = 0;
   for (int j = 0; j < chain().dof(); ++j) {
     const double allowed = chain().velocity()[j] * seconds;
-    if (!std::isfinite(allowed)) continue;
-    double step = b[j] - a[j];
-    if (chain().continuous(j)) step = wrapAngle(step);
-    ratio = std::max(ratio, std::abs(step) / allowed);
+    if (std::isfinite(allowed)) ratio = std::max(ratio, std::abs(step[j]) / allowed);
   }
   return ratio;
 }
@@ -164,7 +179,7 @@ std::vector<Eigen::VectorXd> Placement::findPostures(std::uint64_t seed) const {
       Eigen::VectorXd& q = placed.joints;
       if (!refineIk(chain(), baseToGripper(i, {}), far, box_, q) || !sees(i, placed)) continue;
       const bool known = std::any_of(postures.begin(), postures.end(), [&](const auto& p) {
-        return (p - q).cwiseAbs().maxCoeff() < kDifferent;
+        return jointStep(p, q).cwiseAbs().maxCoeff() < kDifferent;
       });
       if (!known) postures.push_back(q);
     }

@@ -10,8 +10,9 @@
 
 namespace graft::lfd {
 
-/// How far a base stands from where the optimizer left it: along the axes of
-/// the fixed frame (m) and yaw (rad).
+/// How far a base stands from where the optimizer left it: along the axes that
+/// the base has at the grasp (m; the same for the whole demonstration, and moving
+/// with the scene), and yaw (rad).
 struct BaseOffset {
   double x = 0;
   double y = 0;
@@ -70,6 +71,8 @@ class Placement {
                                                  const Eigen::VectorXd& start,
                                                  const Eigen::VectorXd* before,
                                                  const Eigen::VectorXd* after, double factor) const;
+  /// What turns joints a into b; continuous joints go the short way round.
+  Eigen::VectorXd jointStep(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const;
   /// Largest ratio of a joint's speed to its limit.
   double speedRatio(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double seconds) const;
   /// Ratio of the base's speed from tuple a to b to what a mobile robot does at
@@ -86,6 +89,8 @@ class Placement {
   const TaskScene& scene_;
   IkBox box_;
   IkOptions ik_;
+  double cosine_ = 1;  ///< of the heading of the offsets' axes
+  double sine_ = 0;
 };
 
 }  // namespace graft::lfd

@@ -164,8 +164,9 @@ void TrackRefiner::fillBetween(Path& path, std::size_t begin, std::size_t end) c
     here.offset = placement_.between(i, begin, a.offset, end, b.offset);
     here.joints.resize(0);
     if (!both && !a.solved() && !b.solved()) continue;
-    const Eigen::VectorXd start = both ? Eigen::VectorXd((1 - f) * a.joints + f * b.joints)
-                                       : (a.solved() ? a.joints : b.joints);
+    const Eigen::VectorXd start =
+        both ? Eigen::VectorXd(a.joints + f * placement_.jointStep(a.joints, b.joints))
+             : (a.solved() ? a.joints : b.joints);
     const Eigen::VectorXd* before = path[i - 1].solved() ? &path[i - 1].joints : nullptr;
     for (const double factor : {1.0, options_.speed_factor}) {
       const auto q = placement_.solveArmBetween(i, here.offset, start, before, nullptr, factor);

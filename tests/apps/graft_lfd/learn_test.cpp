@@ -310,18 +310,6 @@ TEST(LearnSharedTasks, LearnsFromRealMotionCapture) {
   EXPECT_TRUE(after.at("map_collision_free").is_null());
 }
 
-TEST(LearnSharedTasks, RefusesToAverageDifferentGrasps) {
-  GRAFT_REQUIRE_DATA("tasks/mocap_largetable_many_grasps/task.xml");
-  const std::string out = testing::makeTemporaryDirectory() + "/out";
-  const CommandResult run = graftLfd(
-      "learn " + testing::dataPath("tasks/mocap_largetable_many_grasps/task.xml") + " -o " + out);
-  EXPECT_EQ(run.exit_code, 4);
-  EXPECT_NE(run.err.find("demo_01 and demo_05 hold the object"), std::string::npos) << run.err;
-  std::set<std::string> files;
-  for (const auto& entry : fs::directory_iterator(out)) files.insert(entry.path().filename());
-  EXPECT_EQ(files, (std::set<std::string>{"metrics.json", "segments.csv"}));
-}
-
 TEST(LearnerProgram, HoldsNoEdgeTypeOfItsOwn) {
   const CommandResult symbols =
       testing::runCommand("nm -C " + testing::binaryDirectory() + "/bin/graft-lfd");

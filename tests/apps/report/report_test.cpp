@@ -179,7 +179,7 @@ TEST(Report, ExplainsWhyThereIsNoCommonGrasp) {
   const Files files = writtenReport(result);
   expectSound(files);
   const std::string text = plainText(files.at("report.html"));
-  const std::vector<std::string> lines = lfd::describeDisagreement(result);
+  const std::vector<std::string> lines = lfd::describeDisagreement(result.holds);
   EXPECT_EQ(lines.size(), 2u);  // the third of three against each other
   for (const std::string& line : lines) EXPECT_TRUE(has(text, line)) << line;
   EXPECT_TRUE(has(text, "No common grasp"));
@@ -187,6 +187,23 @@ TEST(Report, ExplainsWhyThereIsNoCommonGrasp) {
   EXPECT_EQ(files.count("pictures/holds.svg"), 1u);
   EXPECT_EQ(files.count("pictures/segments.svg"), 1u);
   EXPECT_EQ(files.count("pictures/convergence.svg"), 0u);
+}
+
+TEST(Report, TellsWhichDemonstrationsAreLeftOut) {
+  EXPECT_EQ(writtenReport(syntheticResult()).count("pictures/holds.svg"), 0u);
+  ResultOptions options;
+  options.left_out = true;
+  const lfd::LearnResult result = syntheticResult(options);
+  ASSERT_EQ(result.holds.modes.size(), 2u);
+  const Files files = writtenReport(result);
+  expectSound(files);
+  const std::string text = plainText(files.at("report.html"));
+  const std::vector<std::string> lines = lfd::describeLeftOut(result.holds, 0);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(has(text, lines[0])) << lines[0];
+  EXPECT_TRUE(has(text, "0 (learned)"));
+  EXPECT_TRUE(has(plainText(files.at("pictures/holds.svg")), "left out"));
+  EXPECT_TRUE(has(text, "learned from demonstrations"));
 }
 
 TEST(Report, EscapesNames) {

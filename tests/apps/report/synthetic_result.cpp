@@ -148,12 +148,18 @@ LearnResult syntheticResult(const ResultOptions& options) {
     result.task.task.demonstrations.emplace_back();
   }
   result.seconds = {{"prepare", 0.21}, {"optimize", 1.5}, {"total", 2.25}};
-  result.spread = lfd::graspSpread(result.task.demonstrations);
+  result.holds = lfd::recordedHolds(result.task.demonstrations);
   result.common_grasp = options.common_grasp;
   if (!options.common_grasp) {
-    result.spread.object_T_hand.back().translation[0] += 0.4;
-    result.spread.distance = 0.4;
+    result.holds.spread.object_T_hand.back().translation[0] += 0.4;
+    result.holds.spread.distance = 0.4;
+    result.holds.modes = lfd::findGraspModes(result.holds.spread);
     return result;
+  }
+  if (options.left_out) {
+    result.holds.names.push_back(options.demo_prefix + "other");
+    result.holds.spread.object_T_hand.emplace_back(at(0.3, 0.1, 0));
+    result.holds.modes = lfd::findGraspModes(result.holds.spread);
   }
   lfd::TaskScene& scene = result.scene;
   scene.chain = std::make_unique<lfd::Chain>(lfd::testing::smallRobotChain());

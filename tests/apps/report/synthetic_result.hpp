@@ -15,6 +15,7 @@ struct ResultOptions {
   bool snapshots = true;
   bool torso_estimated = false;
   bool common_grasp = true;
+  bool left_out = false;  ///< one more demonstration that holds the object elsewhere
 };
 
 /// A result as learn() would give it, made up here: hands that reach for a

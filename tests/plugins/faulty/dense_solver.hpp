@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "core/types/abi.h"
+
+namespace graft::testing {
+
+/// A dense Cholesky as a solver type, with the named fault or none (null).
+const graft_solver_type& denseSolver(const char* fault);
+
+}  // namespace graft::testing
