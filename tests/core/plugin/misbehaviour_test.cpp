@@ -98,7 +98,7 @@ TEST(Doctor, NamesFileAndFieldOfEveryBadPlugin) {
   EXPECT_EQ(result.exit_code, 7);
   const Misbehaviour cases[] = {
       {"major", "plugin ABI mismatch: abi_major is 99, this program has 1"},
-      {"minor", "plugin ABI mismatch: abi_minor is 1"},
+      {"minor", "plugin ABI mismatch: abi_minor is "},
       {"size", "plugin ABI mismatch: size_of_edge_type is [0-9]+, this program has [0-9]+"},
       {"sanitizer", "plugin ABI mismatch: sanitizers is"},
       {"isa", "it needs a processor with unknown features"},
