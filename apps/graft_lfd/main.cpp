@@ -17,5 +17,6 @@ int main(int argc, char** argv) {
   addReach(program);
   addReproduce(program);
   addEvaluate(program);
+  addReport(program);
   return program.main(argc, argv);
 }

@@ -44,9 +44,8 @@ void chooseShape(EdgeSamples& samples, bool larger) {
 }
 
 void chooseSlots(const Context& context, EdgeSamples& samples) {
-  const graft_edge_type& type = *samples.type;
   for (int k = 0; k < samples.arity; ++k) {
-    const char* tag = slotType(type, k);
+    const char* tag = slotType(*samples.type, k);
     const graft_vertex_type* vertex = context.registry.vertex(tag);
     if (vertex == nullptr) {
       throw Defect(std::string("slot ") + std::to_string(k + 1) + " takes " + tag +

@@ -12,7 +12,7 @@ namespace graft::conformance {
 
 namespace {
 
-constexpr int kTrials = 100;
+constexpr int kTrials = 300;
 
 bool allFinite(const std::vector<double>& numbers) {
   for (const double x : numbers) {

@@ -107,9 +107,12 @@ struct Dual {
   friend Dual acos(const Dual& x) {
     return x.chain(std::acos(x.v), -1.0 / std::sqrt(1 - x.v * x.v));
   }
+  /// At the origin, where there is no direction, all derivatives are 0: a number
+  /// that is not finite would spoil more than this edge.
   friend Dual atan2(const Dual& y, const Dual& x) {
-    const double scale = 1.0 / (x.v * x.v + y.v * y.v);
     Dual r(std::atan2(y.v, x.v));
+    if (x.v == 0 && y.v == 0) return r;
+    const double scale = 1.0 / (x.v * x.v + y.v * y.v);
     for (int i = 0; i < N; ++i) r.d[i] = scale * (x.v * y.d[i] - y.v * x.d[i]);
     return r;
   }

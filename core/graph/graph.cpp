@@ -6,6 +6,7 @@
 
 #include "core/base/error.hpp"
 #include "core/types/registry.hpp"
+#include "core/types/vertex.hpp"
 
 namespace graft {
 
@@ -55,7 +56,9 @@ VertexRef Graph::addVertex(const graft_vertex_type& type, std::int64_t id, const
     std::copy(estimate, estimate + type.ambient_dim, numbers.begin());
     requireFinite(estimate, numbers.size(), "vertex " + std::to_string(id));
     graft_message message = {};
-    if (type.normalize(numbers.data(), &message) != GRAFT_OK) {
+    // Callbacks must not throw; one that does all the same refuses the numbers.
+    if (detail::guarded(&message, [&] { return type.normalize(numbers.data(), &message); }) !=
+        GRAFT_OK) {
       reject(std::string(type.tag) + " " + std::to_string(id) + ": " + message.text);
     }
   }
@@ -123,7 +126,10 @@ void Graph::checkEdge(EdgeSpec& spec, int& error_dim) const {
   }
   requireFinite(spec.measurement.data(), spec.measurement.size(), type.tag);
   graft_message message = {};
-  if (type.normalize(measurement_dim, spec.measurement.data(), &message) != GRAFT_OK) {
+  const auto normalize = [&] {
+    return type.normalize(measurement_dim, spec.measurement.data(), &message);
+  };
+  if (detail::guarded(&message, normalize) != GRAFT_OK) {
     fail(std::string("measurement: ") + message.text);
   }
   const std::int64_t entries = triangleSize(error_dim);

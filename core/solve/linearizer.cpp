@@ -8,6 +8,7 @@
 #include "core/base/text.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/solve/whiten.hpp"
+#include "core/types/vertex.hpp"
 
 namespace graft {
 
@@ -21,6 +22,20 @@ bool allFinite(const double* numbers, std::int64_t count) {
   double sum = 0;
   for (std::int64_t i = 0; i < count; ++i) sum += 0.0 * numbers[i];
   return sum == 0;
+}
+
+// Callbacks must not throw; one that does all the same fails its edges, and the
+// program goes on.
+int evaluateEdges(const graft_edge_type& type, const graft_edge_batch& batch, double* errors,
+                  double* jacobians, graft_message& message) {
+  return detail::guarded(&message,
+                         [&] { return type.evaluate(&batch, errors, jacobians, &message); });
+}
+int associateEdges(const graft_edge_type& type, const graft_edge_batch& batch, bool first,
+                   double* associations, std::uint8_t* changed, graft_message& message) {
+  return detail::guarded(&message, [&] {
+    return type.associate(&batch, first ? 1 : 0, associations, changed, &message);
+  });
 }
 
 /// Squared error -> rho, rho', rho'' of the edge's kernel.
@@ -48,8 +63,8 @@ std::string diagnose(const Graph& graph, const EdgeGroup& group, const EdgeBatch
     graft_message message = {};
     const graft_edge_batch one = batch.single(e);
     const std::string edge = "edge " + group.describe(graph, begin + e);
-    if (group.type->evaluate(&one, error.data(), jacobians ? jacobian.data() : nullptr, &message) !=
-        GRAFT_OK) {
+    if (evaluateEdges(*group.type, one, error.data(), jacobians ? jacobian.data() : nullptr,
+                      message) != GRAFT_OK) {
       return edge + ": " + message.text;
     }
     if (!allFinite(error.data(), std::int64_t(error.size()))) {
@@ -111,7 +126,7 @@ Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& chan
                            chunk.begin * std::int64_t{group.type->association_dim};
     std::vector<std::uint8_t> flags(std::size_t(chunk.end - chunk.begin), 0);
     graft_message message = {};
-    if (group.type->associate(&batch.view(), first ? 1 : 0, associations, flags.data(), &message) !=
+    if (associateEdges(*group.type, batch.view(), first, associations, flags.data(), message) !=
         GRAFT_OK) {
       failures[std::size_t(piece)] = "association of edges " + std::string(group.type->tag) +
                                      " near " + group.describe(problem_->graph(), chunk.begin) +
@@ -178,8 +193,8 @@ Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, dou
   double* whitened = scratch.errors.data() + count * dim;
   graft_message message = {};
   const int status =
-      group.type->evaluate(&batch.view(), scratch.errors.data(),
-                           jacobians != nullptr ? scratch.jacobians.data() : nullptr, &message);
+      evaluateEdges(*group.type, batch.view(), scratch.errors.data(),
+                    jacobians != nullptr ? scratch.jacobians.data() : nullptr, message);
   if (status != GRAFT_OK || !allFinite(errors, count * dim) ||
       (jacobians != nullptr && !allFinite(scratch.jacobians.data(), count * jacobian_size))) {
     return {0, diagnose(graph, group, batch, chunk.begin, jacobians != nullptr)};

@@ -116,5 +116,12 @@ TEST(NormalizeQuaternion, IsIdempotentToTheBit) {
   EXPECT_FALSE(normalizeQuaternion(zero));
 }
 
+TEST(Dual, TheDirectionOfNothingHasNoDerivative) {
+  const Dual<2> angle = atan2(Dual<2>::variable(0, 0), Dual<2>::variable(0, 1));
+  EXPECT_EQ(angle.v, 0);
+  EXPECT_EQ(angle.d[0], 0);
+  EXPECT_EQ(angle.d[1], 0);
+}
+
 }  // namespace
 }  // namespace graft

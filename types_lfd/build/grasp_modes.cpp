@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <tuple>
 
+#include "types_lfd/build/steadiness.hpp"
+
 namespace graft::lfd {
 
 namespace {
@@ -175,6 +177,7 @@ PreparedTask taskOfMode(const PreparedTask& task, const RecordedHolds& holds, st
                          ": the hand is turned by half a turn about its approach axis against the "
                          "others; for a parallel gripper that is the same grasp");
   }
+  findSteadiness(part);
   return part;
 }
 

@@ -2,11 +2,11 @@
 #include "types_lfd/build/prepare.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "types_lfd/demo/accuracy.hpp"
 #include "types_lfd/demo/clean.hpp"
 #include "types_lfd/demo/demonstration.hpp"
+#include "types_lfd/demo/recording_check.hpp"
 
 namespace graft::lfd {
 
@@ -18,42 +18,33 @@ std::size_t PreparedTask::tupleCount() const {
 
 namespace {
 
-/// The motion prior of hand and object from the tracks, where the task does not
-/// give it.
-void findSteadiness(PreparedTask& prepared) {
-  Weights& w = prepared.weights;
-  struct Found {
-    MatchedTrack MatchedDemonstration::*track;
-    TrackerAccuracy accuracy;
-    const char* name;
-    std::array<Sigma*, kMotionPhases> weights;
-  };
-  const DemonstrationAccuracy& accuracy = prepared.demonstrations.front().accuracy;
-  const Found entities[] = {
-      {&MatchedDemonstration::hand,
-       accuracy.hand,
-       "steady_hand",
-       {&w.steady_hand_free, &w.steady_hand_contact, &w.steady_hand_held}},
-      {&MatchedDemonstration::object,
-       accuracy.object,
-       "steady_object",
-       {&w.steady_object_free, &w.steady_object_contact, &w.steady_object_held}}};
-  for (const Found& entity : entities) {
-    const bool given = std::any_of(
-        prepared.task.weights.begin(), prepared.task.weights.end(), [&](const WeightOverride& o) {
-          return o.edge == "steady_motion" || o.edge.rfind(entity.name, 0) == 0;
-        });
-    if (given) continue;
-    std::vector<PhasedTrack> tracks;
-    for (const PreparedDemonstration& d : prepared.demonstrations) {
-      PhasedTrack track{&d.matched.times, &(d.matched.*entity.track), {}};
-      for (std::size_t i = 0; i < d.size(); ++i) track.phases.push_back(d.phase(i));
-      tracks.push_back(std::move(track));
-    }
-    const auto noise =
-        estimateMotionNoise(tracks, entity.accuracy, {w.steady_motion.t, w.steady_motion.r});
-    for (std::size_t p = 0; p < kMotionPhases; ++p) *entity.weights[p] = {noise[p].t, noise[p].r};
+/// Cleans, matches and segments one demonstration; remarks to `diagnostics`.
+PreparedDemonstration prepareDemonstration(const Task& task, std::size_t d, Demonstration& recorded,
+                                           const std::map<std::string, TrackerAccuracy>& accuracies,
+                                           Diagnostics& diagnostics) {
+  const DemonstrationSpec& spec = task.demonstrations[d];
+  const SourceLocation where{task.path, spec.where.line, 0};
+  const std::string dropped = removeOutliers(recorded).text();
+  if (!dropped.empty()) diagnostics.note(where, spec.name + ": " + dropped);
+  PreparedDemonstration demo;
+  demo.matched = matchTracks(recorded);
+  demo.segments =
+      segmentDemonstration(demo.matched, SegmentOptions(), spec.grasp_time, spec.release_time);
+  demo.accuracy.hand = accuracies.at("hand");
+  demo.accuracy.object = accuracies.at("object");
+  // An estimated torso has no measurement; its E2 takes the hand's accuracy.
+  demo.accuracy.torso = accuracies.at(demo.matched.torso_estimated ? "hand" : "torso");
+  if (demo.matched.torso_estimated) {
+    diagnostics.note(where, spec.name + ": no torso track; the torso is estimated from the hand");
   }
+  // Below this the object was held more than once, or moved by something else.
+  constexpr double kEnoughMotion = 0.8;
+  if (demo.segments.motion_share < kEnoughMotion) {
+    diagnostics.warning(where, spec.name + ": only " +
+                                   std::to_string(int(100 * demo.segments.motion_share)) +
+                                   " % of the object's motion lies between grasp and release");
+  }
+  return demo;
 }
 
 }  // namespace
@@ -65,34 +56,21 @@ PreparedTask prepareTask(const std::string& task_path, Diagnostics& diagnostics)
   diagnostics.throwIfErrors();
   std::vector<Demonstration> demonstrations = readDemonstrations(prepared.task, diagnostics);
   diagnostics.throwIfErrors();
+  checkRecordings(prepared.task, demonstrations, diagnostics);
+  diagnostics.throwIfErrors();
   const auto accuracies = trackerAccuracies(prepared.task, demonstrations, diagnostics);
   for (std::size_t d = 0; d < demonstrations.size(); ++d) {
-    const DemonstrationSpec& spec = prepared.task.demonstrations[d];
-    const auto note = [&](const std::string& text) {
-      diagnostics.note({prepared.task.path, spec.where.line, 0}, spec.name + ": " + text);
-    };
-    const std::string dropped = removeOutliers(demonstrations[d]).text();
-    if (!dropped.empty()) note(dropped);
-    PreparedDemonstration demo;
-    demo.matched = matchTracks(demonstrations[d]);
-    demo.segments =
-        segmentDemonstration(demo.matched, SegmentOptions(), spec.grasp_time, spec.release_time);
-    demo.accuracy.hand = accuracies.at("hand");
-    demo.accuracy.object = accuracies.at("object");
-    // An estimated torso has no measurement; its E2 takes the hand's accuracy.
-    demo.accuracy.torso = accuracies.at(demo.matched.torso_estimated ? "hand" : "torso");
-    if (demo.matched.torso_estimated) note("no torso track; the torso is estimated from the hand");
-    // Below this the object was held more than once, or moved by something else.
-    constexpr double kEnoughMotion = 0.8;
-    if (demo.segments.motion_share < kEnoughMotion) {
-      diagnostics.warning({prepared.task.path, spec.where.line, 0},
-                          spec.name + ": only " +
-                              std::to_string(int(100 * demo.segments.motion_share)) +
-                              " % of the object's motion lies between grasp and release");
+    // What is wrong with one demonstration must not hide the others'.
+    try {
+      prepared.demonstrations.push_back(
+          prepareDemonstration(prepared.task, d, demonstrations[d], accuracies, diagnostics));
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kInput) throw;
+      diagnostics.error({prepared.task.path, prepared.task.demonstrations[d].where.line, 0},
+                        error.what());
     }
-    prepared.demonstrations.push_back(std::move(demo));
   }
-  findSteadiness(prepared);
+  diagnostics.throwIfErrors();
   return prepared;
 }
 

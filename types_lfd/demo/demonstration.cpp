@@ -98,9 +98,9 @@ Demonstration readDemonstration(const DemonstrationSpec& spec, Diagnostics& diag
   if (!usable) return demonstration;
   const TimeSpan common = commonSpan(demonstration);
   if (!(common.first < common.last)) {
-    diagnostics.error(spec.where,
-                      "demonstration " + quoted(spec.name) +
-                          ": the tracks do not overlap in time: " + describeSpans(demonstration));
+    diagnostics.error(
+        spec.where, "demonstration " + quoted(spec.name) + ": the tracks do not overlap in time: " +
+                        describeSpans(demonstration) + "; were they stamped by one clock?");
   }
   return demonstration;
 }

@@ -83,6 +83,27 @@ Json refinementJson(const LearnResult& result) {
             {"kinematically_achievable", result.table_optimized.kinematically_achievable}}}};
 }
 
+/// What a report shows and no other file holds.
+Json reportJson(const LearnResult& result) {
+  Json history = Json::array();
+  for (const IterationRecord& record : result.summary.iterations) {
+    history.push_back({{"iteration", record.iteration},
+                       {"chi2", optionalNumber(record.chi2)},
+                       {"accepted", record.accepted}});
+  }
+  Json too_fast;
+  for (std::size_t d = 0; d < result.joints.size(); ++d) {
+    too_fast[result.task.demonstrations[d].matched.name] = result.joints[d].too_fast;
+  }
+  Json trackers = Json::array();
+  for (const auto& [entity, accuracy] : result.task.task.trackers) trackers.push_back(entity);
+  return {{"history", history},
+          {"associations_changed", result.summary.associations_changed},
+          {"solver_notes", result.summary.notes},
+          {"too_fast_steps", too_fast},
+          {"trackers_given", trackers}};
+}
+
 }  // namespace
 
 Json table1Json(const Table1& t) {
@@ -99,7 +120,7 @@ Json table1Json(const Table1& t) {
           {"ik_achievable", optionalNumber(t.ik_achievable)}};
 }
 
-Json metricsJson(const LearnResult& result) {
+Json metricsJson(const LearnResult& result, const std::vector<std::string>& messages) {
   Json json;
   json["task"] = result.task.task.name;
   json["tuples"] = result.task.tupleCount();
@@ -127,7 +148,9 @@ Json metricsJson(const LearnResult& result) {
     json["chi2_final"] = result.summary.chi2_final;
     json["e1_per_dof"] = result.residual_per_dof;
     json["refinement"] = refinementJson(result);
+    json["report"] = reportJson(result);
   }
+  json["messages"] = messages;
   json["seconds"] = result.seconds;
   return json;
 }

@@ -8,7 +8,9 @@
 namespace graft::lfd {
 
 /// metrics.json and grasp.json as the project's file formats define them.
-nlohmann::ordered_json metricsJson(const LearnResult& result);
+/// `messages` are what was said on the way, for a report that is written later.
+nlohmann::ordered_json metricsJson(const LearnResult& result,
+                                   const std::vector<std::string>& messages = {});
 nlohmann::ordered_json graspJson(const LearnResult& result);
 nlohmann::ordered_json table1Json(const Table1& table);
 

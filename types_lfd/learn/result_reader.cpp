@@ -57,11 +57,13 @@ std::size_t tupleAt(const std::vector<double>& times, double time, const std::st
   return std::size_t(found - times.begin());
 }
 
+/// `estimates`: "optimized", or "iterations/5".
 DemonstrationEstimate readDemonstrationFolder(const std::string& directory,
+                                              const std::string& estimates,
                                               const SegmentLine& segment) {
   DemonstrationEstimate demo;
   demo.name = segment.demo;
-  const std::string folder = directory + "/optimized/" + segment.demo + "/";
+  const std::string folder = directory + "/" + estimates + "/" + segment.demo + "/";
   Diagnostics diagnostics;
   const auto read = [&](const char* name) {
     const Trajectory track = readTum(folder + name, diagnostics);
@@ -88,24 +90,25 @@ DemonstrationEstimate readDemonstrationFolder(const std::string& directory,
 
 }  // namespace
 
-LearnedFolder readLearnedFolder(const std::string& directory) {
-  LearnedFolder folder;
-  folder.task = readSceneFiles(directory);
+std::vector<DemonstrationEstimate> readEstimates(const std::string& directory,
+                                                 const std::string& estimates) {
+  std::vector<DemonstrationEstimate> demos;
   std::vector<Pose> holds;
   for (const SegmentLine& segment : readSegments(directory + "/segments.csv")) {
-    folder.demonstrations.push_back(readDemonstrationFolder(directory, segment));
-    const DemonstrationEstimate& demo = folder.demonstrations.back();
+    demos.push_back(readDemonstrationFolder(directory, estimates, segment));
     std::vector<Pose> held;
-    for (std::size_t i = demo.segments.grasp; i <= demo.segments.release; ++i) {
-      held.push_back(demo.object[i].inverse() * demo.hand[i]);
+    for (std::size_t i = demos.back().segments.grasp; i <= demos.back().segments.release; ++i) {
+      held.push_back(demos.back().object[i].inverse() * demos.back().hand[i]);
     }
     holds.push_back(meanPose(held));
   }
   const std::vector<char> turned = turnedHands(holds);
-  for (std::size_t d = 0; d < turned.size(); ++d) {
-    folder.demonstrations[d].hand_turned = turned[d] != 0;
-  }
-  return folder;
+  for (std::size_t d = 0; d < turned.size(); ++d) demos[d].hand_turned = turned[d] != 0;
+  return demos;
+}
+
+LearnedFolder readLearnedFolder(const std::string& directory) {
+  return {readSceneFiles(directory), readEstimates(directory, "optimized")};
 }
 
 MotionModel fitMotionModel(const std::string& task_name,

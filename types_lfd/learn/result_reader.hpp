@@ -16,6 +16,11 @@ struct LearnedFolder {
   std::vector<DemonstrationEstimate> demonstrations;
 };
 
+/// Reads segments.csv and the tracks below `estimates`: "optimized", or
+/// "iterations/5". Throws Error(kInput) as below.
+std::vector<DemonstrationEstimate> readEstimates(const std::string& directory,
+                                                 const std::string& estimates);
+
 /// Reads segments.csv and optimized/. Throws Error(kInput) naming the file and
 /// line that is missing or not as `learn` writes it.
 LearnedFolder readLearnedFolder(const std::string& directory);

@@ -51,7 +51,8 @@ std::string formatJoints(const std::vector<std::string>& names, const std::vecto
   return out;
 }
 
-void writeResult(const LearnResult& result, StagedDirectory& out) {
+void writeResult(const LearnResult& result, StagedDirectory& out,
+                 const std::vector<std::string>& messages) {
   std::vector<MatchedDemonstration> matched;
   std::vector<Segmentation> segments;
   for (const PreparedDemonstration& demo : result.task.demonstrations) {
@@ -59,7 +60,7 @@ void writeResult(const LearnResult& result, StagedDirectory& out) {
     segments.push_back(demo.segments);
   }
   out.write("segments.csv", formatSegments(matched, segments));
-  out.write("metrics.json", metricsJson(result).dump(2) + "\n");
+  out.write("metrics.json", metricsJson(result, messages).dump(2) + "\n");
   if (!result.common_grasp) return;
   for (std::size_t d = 0; d < result.after.size(); ++d) {
     const DemonstrationEstimate& demo = result.after[d];

@@ -11,8 +11,10 @@ std::vector<std::string> learnOutputs();
 
 /// Writes a result into a staged folder (formats of `learn`): trajectories,
 /// joints, segments, grasp, graphs, model, metrics, snapshots. Where there is no
-/// common grasp: metrics.json and segments.csv only. Does not commit.
-void writeResult(const LearnResult& result, StagedDirectory& out);
+/// common grasp: metrics.json and segments.csv only. `messages` (what was said on
+/// the way) go to metrics.json. Does not commit.
+void writeResult(const LearnResult& result, StagedDirectory& out,
+                 const std::vector<std::string>& messages = {});
 
 /// Text of joints.csv: time, then one column per joint; empty fields where no
 /// arm configuration was found.

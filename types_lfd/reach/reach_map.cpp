@@ -108,4 +108,64 @@ void ReachMap::fillRows(int least, std::vector<std::uint64_t>& rows) const {
   }
 }
 
+bool ReachMap::reachableSomewhere(const GripperView& view, double height) const {
+  const TiltSlice slice(*this, height, view.elevation, view.roll);
+  if (!slice.any()) return false;
+  // Interpolated in x, y and psi: the largest distance is at a node.
+  for (int psi = 0; psi < grid_.psiCount(); ++psi) {
+    for (int y = 0; y < grid_.ny; ++y) {
+      for (int word = 0; word < grid_.rowWords(); ++word) {
+        for (std::uint64_t bits = slice.maybe(psi, y, word); bits != 0; bits &= bits - 1) {
+          if (slice.node(psi, y, 64 * word + __builtin_ctzll(bits)) > 0) return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+bool ReachMap::reachableSomewhere(const Pose& world_T_gripper) const {
+  const GripperView view = ReachGrid::view(world_T_gripper);
+  return std::isfinite(view.position[2] + view.elevation + view.roll) &&
+         reachableSomewhere(view, view.position[2]);
+}
+
+ReachMap::Heights ReachMap::heights(const Pose& world_T_gripper) const {
+  const GripperView view = ReachGrid::view(world_T_gripper);
+  const auto reached = [&](double height) { return reachableSomewhere(view, height); };
+  // Linear between nodes: what lies between two that are not reached is not, too.
+  const auto border = [&](double out, double in) {
+    for (int i = 0; i < 20; ++i) {
+      const double middle = 0.5 * (out + in);
+      (reached(middle) ? in : out) = middle;
+    }
+    return in;
+  };
+  Heights heights;
+  for (int z = 0; z < grid_.nz; ++z) {
+    const double height = (z + grid_.z0) * grid_.resolution;
+    if (!reached(height)) continue;
+    if (heights.empty()) heights.low = border(height - grid_.resolution, height);
+    heights.high = height;
+  }
+  if (!heights.empty()) heights.high = border(heights.high + grid_.resolution, heights.high);
+  return heights;
+}
+
+ReachMap::Heights ReachMap::heights() const {
+  Heights heights;
+  const std::size_t tilts = grid_.sliceCount() / static_cast<std::size_t>(grid_.nz);
+  for (int z = 0; z < grid_.nz; ++z) {
+    const auto first = filled_.begin() + static_cast<std::ptrdiff_t>(tilts) * z;
+    if (std::all_of(first, first + static_cast<std::ptrdiff_t>(tilts),
+                    [](std::uint32_t count) { return count == 0; })) {
+      continue;
+    }
+    // Up to the next node, where nothing is reached any more.
+    if (heights.empty()) heights.low = (z - 1 + grid_.z0) * grid_.resolution;
+    heights.high = (z + 1 + grid_.z0) * grid_.resolution;
+  }
+  return heights;
+}
+
 }  // namespace graft::lfd

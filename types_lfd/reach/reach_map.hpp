@@ -82,6 +82,18 @@ class ReachMap {
   /// being the arm's best (Yoshikawa's measure, 1985).
   int quality(const Pose& world_T_gripper, const Pose2& world_T_base) const;
 
+  /// Whether any base reaches the gripper pose.
+  bool reachableSomewhere(const Pose& world_T_gripper) const;
+  /// Gripper heights (m) between which some base reaches: with this pose's tilt,
+  /// or with any. Low above high if there is none.
+  struct Heights {
+    double low = 0;
+    double high = -1;
+    bool empty() const { return low > high; }
+  };
+  Heights heights(const Pose& world_T_gripper) const;
+  Heights heights() const;
+
   /// The base pose nearest to the query that reaches the gripper pose and keeps
   /// the margins: the query itself, or else the nearest point of all boxes
   /// between neighbouring nodes (x, y, psi) in which all poses do, drawn back
@@ -134,6 +146,8 @@ class ReachMap {
   /// Fills what follows from the grid and the distances.
   void finish();
   void fillRows(int least, std::vector<std::uint64_t>& rows) const;
+  bool reachableSomewhere(const GripperView& view, double height) const;
+
   ReachGrid grid_;
   std::vector<std::int8_t> distances_;
   std::vector<std::uint8_t> cells_;

@@ -99,7 +99,7 @@ TEST(LearnerUsage, ErrorsEndWithTwo) {
 
 TEST(LearnerUsage, HelpOfEveryCommandSuffices) {
   for (const char* command : {"learn", "check", "match", "segment", "build", "fit", "teach",
-                              "reach", "reproduce", "evaluate"}) {
+                              "reach", "reproduce", "evaluate", "report"}) {
     const CommandResult help = graftLfd(std::string(command) + " --help");
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_NE(help.out.find("Usage: graft-lfd " + std::string(command)), std::string::npos);

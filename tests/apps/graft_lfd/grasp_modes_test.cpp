@@ -214,8 +214,14 @@ TEST(GraspModes, OfRealMotionCaptureAreLearnedOneByOne) {
     EXPECT_EQ(entriesOf(folder), entriesOf(out + "/usual"));
     EXPECT_EQ(readJson(folder + "/metrics.json").at("grasp_mode"), m);
     EXPECT_EQ(graftLfd("evaluate " + folder).exit_code, 0);
+    const std::string report = testing::readTestFile(folder + "/report.html");
+    EXPECT_EQ(graftLfd("report " + folder).exit_code, 0);
+    EXPECT_TRUE(testing::readTestFile(folder + "/report.html") == report) << folder;
     EXPECT_EQ(graftProgram("check " + folder + "/graph.g2o").exit_code, 0);
   }
+  const CommandResult several = graftLfd("report " + out + "/all");
+  EXPECT_EQ(several.exit_code, 3);
+  EXPECT_NE(several.err.find("/all/mode_0"), std::string::npos) << several.err;
   // A run with one result clears those of the run before.
   ASSERT_EQ(graftLfd("learn " + task + " --grasp-mode 1 -o " + out + "/all").exit_code, 0);
   EXPECT_EQ(entriesOf(out + "/all"), entriesOf(out + "/usual"));

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -214,6 +215,76 @@ TEST_F(LearnedDrawer, EvaluateRecomputesTheTableFromTheFiles) {
   for (const char* key : {"gripper_grasp_m", "gripper_hand_rad", "gripper_object_sd_m",
                           "hand_object_sd_rad", "kinematically_achievable"}) {
     EXPECT_NEAR(rows.at(key).get<double>(), after.at(key).get<double>(), 1e-9) << key;
+  }
+}
+
+/// Names and contents of a result's report and pictures.
+std::map<std::string, std::string> reportOf(const std::string& folder) {
+  std::map<std::string, std::string> files{
+      {"report.html", testing::readTestFile(folder + "/report.html")}};
+  for (const auto& entry : fs::directory_iterator(folder + "/pictures")) {
+    files[entry.path().filename()] = testing::readTestFile(entry.path());
+  }
+  return files;
+}
+
+TEST_F(LearnedDrawer, ReportIsWrittenAnewFromTheFilesAlone) {
+  const std::string copy = folder_ + "/copy";
+  fs::copy(folder_ + "/out", copy, fs::copy_options::recursive);
+  const auto written = reportOf(copy);
+  ASSERT_GT(written.size(), 8u);
+  fs::remove(copy + "/report.html");
+  fs::remove_all(copy + "/pictures");
+  fs::create_directory(copy + "/pictures");
+  testing::writeTestFile(copy + "/pictures", "stale.svg", "x");
+  const CommandResult run = graftLfd("report " + copy);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto again = reportOf(copy);
+  for (const auto& [name, content] : written) {
+    ASSERT_EQ(again.count(name), 1u) << name;
+    EXPECT_TRUE(again.at(name) == content) << name << " differs";
+  }
+  EXPECT_EQ(again.size(), written.size());
+  EXPECT_EQ(testing::readTestFile(copy + "/metrics.json"),
+            testing::readTestFile(out("metrics.json")));
+}
+
+TEST_F(LearnedDrawer, ReportRefusesFoldersThatAreNoResult) {
+  struct Case {
+    const char* file;
+    const char* find;
+    const char* replacement;  ///< null: the file is deleted
+    const char* message;
+  };
+  const Case cases[] = {
+      {"resources/scene.json", "", nullptr, "holds no learned result"},
+      {"metrics.json", "", nullptr, "metrics.json: error: No such file"},
+      {"metrics.json", "\"history\"", "\"histery\"", "metrics.json: error: .*history"},
+      {"metrics.json", "{", "[", "metrics.json: error: .*parse"},
+      {"graph.g2o", "LFD_OBSERVATION ", "LFD_OBSERVATION x",
+       "graph.g2o:\\d+: error: expected an id"},
+      {"grasp.json", "\"cost\": ", "\"cost\": \"much\", \"x\": ", "grasp.json: error: "},
+      {"grasp.json", "\"object_T_hand\": [", "\"object_T_hand\": [0,",
+       "grasp.json: error: a pose needs 7"},
+      {"optimized/demo_02/joints.csv", "\n", "\nx,y\n", "joints.csv:2: error: 'y' is not a number"},
+      {"optimized/demo_02/base.tum", "", nullptr, "base.tum: error: No such file"},
+      {"segments.csv", "demo_01,", "demo_01;", "segments.csv:2: error: expected a name"}};
+  for (const Case& one : cases) {
+    SCOPED_TRACE(one.message);
+    const std::string copy = testing::makeTemporaryDirectory() + "/copy";
+    fs::copy(folder_ + "/out", copy, fs::copy_options::recursive);
+    const std::string file = copy + "/" + one.file;
+    if (one.replacement == nullptr) {
+      fs::remove(file);
+    } else {
+      std::string content = testing::readTestFile(file);
+      content.replace(content.find(one.find), std::string(one.find).size(), one.replacement);
+      std::ofstream(file, std::ios::binary) << content;
+    }
+    const CommandResult run = graftLfd("report " + copy);
+    EXPECT_EQ(run.exit_code, 3) << run.err;
+    EXPECT_TRUE(std::regex_search(run.err, std::regex(one.message))) << run.err;
+    EXPECT_EQ(reportOf(copy), reportOf(folder_ + "/out"));
   }
 }
 

@@ -44,7 +44,7 @@ struct EndCase {
 
 TEST(Contained, EveryOtherEndIsNamed) {
   const EndCase cases[] = {
-      {[](ContainedChannel&) { ::raise(SIGSEGV); }, "signal 11 (Segmentation fault)"},
+      {[](ContainedChannel&) { ::raise(SIGKILL); }, "signal 9 (Killed)"},
       {[](ContainedChannel&) { std::abort(); }, "signal 6 (Aborted)"},
       {[](ContainedChannel&) { std::_Exit(0); }, "it ended the process (exit status 0)"},
       {[](ContainedChannel&) { std::_Exit(3); }, "it ended the process (exit status 3)"},

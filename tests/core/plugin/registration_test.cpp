@@ -18,26 +18,16 @@ struct Offer {
 
   Offer() {
     static const char* const slots[] = {"VERTEX_SE2"};
-    edge = {
-        sizeof edge,
-        0,
-        "EDGE",
-        "doc",
-        "",
-        1,
-        1,
-        1,
-        0,
-        0,
-        slots,
-        nullptr,
-        nullptr,
-        [](std::int32_t, double*, graft_message*) -> int { return GRAFT_OK; },
-        [](const graft_edge_batch*, double*, double*, graft_message*) -> int { return GRAFT_OK; },
-        nullptr,
-        nullptr,
-        0,
-        nullptr};
+    edge.struct_size = sizeof edge;
+    edge.tag = "EDGE";
+    edge.doc = "doc";
+    edge.fields = "";
+    edge.arity = edge.error_dim = edge.measurement_dim = 1;
+    edge.slot_types = slots;
+    edge.normalize = [](std::int32_t, double*, graft_message*) -> int { return GRAFT_OK; };
+    edge.evaluate = [](const graft_edge_batch*, double*, double*, graft_message*) -> int {
+      return GRAFT_OK;
+    };
     kernel = {sizeof kernel, "KERNEL", "doc", [](std::int64_t, const double*, double, double*) {}};
     resource = {sizeof resource,
                 "RESOURCE",

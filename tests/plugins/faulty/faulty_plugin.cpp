@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <stdexcept>
 #include <thread>
@@ -32,6 +33,7 @@ int failed(graft_message* message, const char* text) {
 void identity(double* x) { x[0] = x[1] = fault("identity_nan") ? std::nan("") : 0; }
 
 int normalize(double* x, graft_message*) {
+  if (fault("normalize_throws")) throw std::runtime_error("thrown by a vertex");
   if (fault("normalize_rounds")) x[0] = static_cast<float>(x[0]);
   return GRAFT_OK;
 }
@@ -54,9 +56,19 @@ void minus(std::int64_t count, const double* a, const double* b, double* delta) 
   }
 }
 
-const graft_vertex_type kPoint = {
-    sizeof kPoint, "FAULTY_POINT", "point in the plane", "x y", 2, 2, &identity, &normalize, &plus,
-    &minus,        nullptr};
+graft_vertex_type pointType() {
+  graft_vertex_type type = {};
+  type.struct_size = sizeof type;
+  type.tag = "FAULTY_POINT";
+  type.doc = "point in the plane";
+  type.fields = "x y";
+  type.ambient_dim = type.tangent_dim = 2;
+  type.identity = &identity;
+  type.normalize = &normalize;
+  type.plus = &plus;
+  type.minus = &minus;
+  return type;
+}
 
 // ---- an edge of two points: e = b - a - m + k |a|^2 -------------------------
 
@@ -72,6 +84,7 @@ void errorOf(const Item& item, double* e) {
   const double square = item.a[0] * item.a[0] + item.a[1] * item.a[1];
   for (int r = 0; r < 2; ++r) e[r] = item.b[r] - item.a[r] - item.m[r] + kBend * square;
   if (fault("identity_singular")) e[0] += 1 / square - 1 / square;
+  if (fault("always_infinite")) e[1] = std::numeric_limits<double>::infinity();
   if (fault("not_finite") && item.a[0] > 1) e[0] = std::numeric_limits<double>::infinity();
 }
 
@@ -114,7 +127,7 @@ int evaluate(const graft_edge_batch* batch, double* errors, double* jacobians,
     if (fault("state")) errors[2 * i] += 1e-9 * calls++;
     if (fault("threads")) throughScratch(errors + 2 * i);
     if (fault("changes_input")) const_cast<double*>(item.m)[0] += 1;
-    if (jacobians == nullptr) continue;
+    if (jacobians == nullptr || fault("always_unwritten")) continue;
     jacobianOf(item, jacobians + 8 * i);
     if (fault("errors_differ")) errors[2 * i] += 1e-3;
     if (fault("unwritten") && i + 1 == batch->count) {
@@ -141,25 +154,19 @@ int propagate(const graft_edge_batch* batch, std::int32_t to, double* estimate) 
 }
 
 const char* const kSlots[] = {"FAULTY_POINT", "FAULTY_POINT"};
-const graft_edge_type kEdge = {sizeof kEdge,
-                               0,
-                               "FAULTY_EDGE",
-                               "bent difference",
-                               "dx dy",
-                               2,
-                               2,
-                               2,
-                               0,
-                               0,
-                               kSlots,
-                               nullptr,
-                               nullptr,
-                               &normalizeMeasurement,
-                               &evaluate,
-                               nullptr,
-                               &propagate,
-                               0,
-                               nullptr};
+graft_edge_type edgeType() {
+  graft_edge_type type = {};
+  type.struct_size = sizeof type;
+  type.tag = "FAULTY_EDGE";
+  type.doc = "bent difference";
+  type.fields = "dx dy";
+  type.arity = type.error_dim = type.measurement_dim = 2;
+  type.slot_types = kSlots;
+  type.normalize = &normalizeMeasurement;
+  type.evaluate = &evaluate;
+  type.propagate = &propagate;
+  return type;
+}
 
 // ---- an edge that looks something up ----------------------------------------
 
@@ -189,25 +196,19 @@ int associateNearest(const graft_edge_batch* batch, std::int32_t first, double* 
 
 int normalizeNothing(std::int32_t, double*, graft_message*) { return GRAFT_OK; }
 
-const graft_edge_type kNearest = {sizeof kNearest,
-                                  0,
-                                  "FAULTY_NEAREST",
-                                  "nearest whole x",
-                                  "",
-                                  1,
-                                  1,
-                                  0,
-                                  1,
-                                  0,
-                                  kSlots,
-                                  nullptr,
-                                  nullptr,
-                                  &normalizeNothing,
-                                  &evaluateNearest,
-                                  &associateNearest,
-                                  nullptr,
-                                  0,
-                                  nullptr};
+graft_edge_type nearestType() {
+  graft_edge_type type = {};
+  type.struct_size = sizeof type;
+  type.tag = "FAULTY_NEAREST";
+  type.doc = "nearest whole x";
+  type.fields = "";
+  type.arity = type.error_dim = type.association_dim = 1;
+  type.slot_types = kSlots;
+  type.normalize = &normalizeNothing;
+  type.evaluate = &evaluateNearest;
+  type.associate = &associateNearest;
+  return type;
+}
 
 // ---- an edge over any number of points ---------------------------------------
 
@@ -235,25 +236,20 @@ int evaluateSum(const graft_edge_batch* batch, double* errors, double* jacobians
   return GRAFT_OK;
 }
 
-const graft_edge_type kSum = {sizeof kSum,
-                              0,
-                              "FAULTY_SUM",
-                              "sum of x",
-                              "",
-                              GRAFT_DYNAMIC,
-                              GRAFT_DYNAMIC,
-                              GRAFT_DYNAMIC,
-                              0,
-                              0,
-                              kSlots,
-                              nullptr,
-                              &shape,
-                              &normalizeNothing,
-                              &evaluateSum,
-                              nullptr,
-                              nullptr,
-                              1,
-                              nullptr};
+graft_edge_type sumType() {
+  graft_edge_type type = {};
+  type.struct_size = sizeof type;
+  type.tag = "FAULTY_SUM";
+  type.doc = "sum of x";
+  type.fields = "";
+  type.arity = type.error_dim = type.measurement_dim = GRAFT_DYNAMIC;
+  type.slot_types = kSlots;
+  type.dynamic_slots = 1;
+  type.shape = &shape;
+  type.normalize = &normalizeNothing;
+  type.evaluate = &evaluateSum;
+  return type;
+}
 
 // ---- a kernel, a resource, a loader ------------------------------------------
 
@@ -315,10 +311,12 @@ __attribute__((used, section(GRAFT_STAMP_SECTION))) const graft_abi_stamp graft_
 
 GRAFT_TEST_EXPORT int graft_plugin_register(const graft_registrar* registrar, graft_message*) {
   void* host = registrar->host;
-  registrar->add_vertex_type(host, &kPoint);
-  registrar->add_edge_type(host, &kEdge);
-  registrar->add_edge_type(host, &kNearest);
-  registrar->add_edge_type(host, &kSum);
+  static const graft_vertex_type point = pointType();
+  static const graft_edge_type edge = edgeType();
+  static const graft_edge_type nearest = nearestType();
+  static const graft_edge_type sum = sumType();
+  registrar->add_vertex_type(host, &point);
+  for (const graft_edge_type* type : {&edge, &nearest, &sum}) registrar->add_edge_type(host, type);
   if (!fault("metadata")) registrar->add_kernel_type(host, &kKernel);
   registrar->add_resource_type(host, &kResource);
   registrar->add_loader_type(host, &kLoader);

@@ -25,6 +25,46 @@ Eigen::Matrix3d gripperRotation(double heading, double elevation, double roll) {
       .toRotationMatrix();
 }
 
+TEST(ReachMap, SomewhereIsAnyCellOfThePosesSlice) {
+  const ReachMap& map = smallMap();
+  const ReachGrid& grid = map.grid();
+  std::mt19937_64 random(8);
+  std::size_t inside = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Pose gripper(
+        Eigen::Vector3d(3, -2, uniform(random, -0.5, 2)),
+        Eigen::Quaterniond(gripperRotation(uniform(random, -3, 3), uniform(random, -1.5, 1.5),
+                                           uniform(random, -3, 3))));
+    // A base at every node, asked one by one: in between, distances are no larger.
+    const GripperView view = grid.view(gripper);
+    bool any = false;
+    for (int psi = 0; psi < grid.psiCount() && !any; ++psi) {
+      for (int y = 0; y < grid.ny && !any; ++y) {
+        for (int x = 0; x < grid.nx && !any; ++x) {
+          const Pose2 node((grid.x0 + x) * grid.resolution, (grid.y0 + y) * grid.resolution,
+                           psi * grid.nodeStep());
+          any = map.contains(gripper, baseInWorld(view, node));
+        }
+      }
+    }
+    ASSERT_EQ(map.reachableSomewhere(gripper), any);
+    inside += any ? 1 : 0;
+    const ReachMap::Heights heights = map.heights(gripper);
+    const double z = gripper.translation[2];
+    if (any) {
+      EXPECT_LE(heights.low, z + 1e-6);
+      EXPECT_GE(heights.high, z - 1e-6);
+      EXPECT_LE(map.heights().low, heights.low);
+      EXPECT_GE(map.heights().high, heights.high);
+    }
+  }
+  EXPECT_GT(inside, 100u);
+  EXPECT_LT(inside, 1900u);
+  Pose above;
+  above.translation[2] = map.heights().high + 1e-6;
+  EXPECT_FALSE(map.reachableSomewhere(above));
+}
+
 TEST(ReachGrid, SplitsOrientationsAsStated) {
   std::mt19937_64 random(1);
   for (int n = 0; n < 10000; ++n) {
