@@ -75,17 +75,24 @@ class Spreading {
     }
   }
 
-  /// Places the one vertex of an edge that is not placed yet, if it can.
+  /// Places the vertices of an edge that are not placed yet, if it can.
   void reach(const EdgeRef& edge) {
     const EdgeGroup& group = problem_.groups()[std::size_t(edge.group)];
     const VertexRef* vertices = &group.vertices[std::size_t(edge.edge) * std::size_t(group.arity)];
-    int open = -1;
+    int open = 0;
+    for (int k = 0; k < group.arity; ++k) open += isPlaced(vertices[k]) == 0 ? 1 : 0;
+    const bool each =
+        (group.type->flags & GRAFT_EDGE_FIRST_PLACES) != 0 && isPlaced(vertices[0]) != 0;
+    if (open == 0 || (open > 1 && !each)) return;
     for (int k = 0; k < group.arity; ++k) {
-      if (isPlaced(vertices[k]) != 0) continue;
-      if (open >= 0) return;
-      open = k;
+      if (isPlaced(vertices[k]) == 0) placeBy(edge, k);
     }
-    if (open < 0) return;
+  }
+
+  /// Places the vertex in one slot of an edge, if the edge can.
+  void placeBy(const EdgeRef& edge, int open) {
+    const EdgeGroup& group = problem_.groups()[std::size_t(edge.group)];
+    const VertexRef* vertices = &group.vertices[std::size_t(edge.edge) * std::size_t(group.arity)];
     const EdgeBatch batch(group, std::size_t(edge.group), state_, edge.edge, edge.edge + 1);
     const VertexRef v = vertices[open];
     const graft_vertex_type& type = problem_.graph().type(v);

@@ -153,7 +153,10 @@ enum {
    * flag an edge of arity 1 anchors its component. Informational. */
   GRAFT_EDGE_RELATIVE = 1,
   /* The same vertex may stand in several slots. */
-  GRAFT_EDGE_ALLOWS_REPEATS = 2
+  GRAFT_EDGE_ALLOWS_REPEATS = 2,
+  /* propagate() to any slot but the first looks at the first vertex alone, so that
+   * it may be called while others are not known yet. */
+  GRAFT_EDGE_FIRST_PLACES = 4
 };
 
 typedef struct graft_edge_type {
@@ -183,9 +186,9 @@ typedef struct graft_edge_type {
    * there is no earlier association. */
   int (*associate)(const graft_edge_batch* batch, int32_t first, double* associations,
                    uint8_t* changed, graft_message* message);
-  /* Null, or: the estimate of the vertex in slot `to` that makes the error zero
-   * given the others (used to spread initial guesses); GRAFT_FAILED if the edge
-   * cannot tell. One edge; `vertices` as in a batch. */
+  /* Null, or: the estimate of the vertex in slot `to` that makes those entries of the
+   * error zero that depend on it, given the others (used to spread initial guesses); GRAFT_FAILED
+   * if the edge cannot tell. One edge; `vertices` as in a batch. */
   int (*propagate)(const graft_edge_batch* batch, int32_t to, double* estimate);
   /* Dynamic types: number of slot_types; the last stands for all further slots. Else 0. */
   int32_t dynamic_slots;

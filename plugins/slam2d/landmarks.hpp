@@ -90,7 +90,10 @@ struct EdgeBearingSe2Xy : Edge<EdgeBearingSe2Xy, 1, SE2, Point2>, Measured<Numbe
   Vec<T, 1> error(const SE2<T>& pose, const Point2<T>& point) const {
     using std::atan2;
     const Vec<T, 2> seen = pose.inverse() * point.coordinates;
-    return Vec<T, 1>(wrapAngle(T(measurement.values[0] - atan2(seen[1], seen[0]))));
+    // A point at the pose has no direction and no derivative; as atan2 has it, it is ahead.
+    const bool none = valueOf(seen[0]) == 0 && valueOf(seen[1]) == 0;
+    const T direction = none ? T(0) : T(atan2(seen[1], seen[0]));
+    return Vec<T, 1>(wrapAngle(T(measurement.values[0] - direction)));
   }
 
   bool propagate(int to, Pose2& pose, Point2<double>& point) const {
@@ -175,7 +178,7 @@ struct EdgeSe2TwoPointsXy : Edge<EdgeSe2TwoPointsXy, 4, SE2, Point2, Point2>, Me
   static constexpr auto tag = "EDGE_SE2_TWOPOINTSXY";
   static constexpr auto doc = "two measured points, in the frame of the pose that sees them";
   static constexpr auto fields = "x1 y1 x2 y2";
-  static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE;
+  static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE | GRAFT_EDGE_FIRST_PLACES;
 
   template <class T>
   Vec<T, 4> error(const SE2<T>& pose, const Point2<T>& a, const Point2<T>& b) const {
@@ -198,7 +201,7 @@ struct EdgeSe2LotsOfXy : OneToManyEdge<EdgeSe2LotsOfXy, 2, SE2, Point2> {
   static constexpr auto tag = "EDGE_SE2_LOTSOFXY";
   static constexpr auto doc = "n measured points, in the frame of the pose that sees them";
   static constexpr auto fields = "n x1 y1 ...";
-  static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE;
+  static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE | GRAFT_EDGE_FIRST_PLACES;
 
   template <class T>
   Vec<T, 2> error(const SE2<T>& pose, const Point2<T>& point, const double* measured) const {

@@ -9,6 +9,8 @@ namespace graft {
 template <class T = double>
 struct Segment2 : Euclidean<T, 4> {
   static constexpr const char* kFields = "x1 y1 x2 y2";
+  /// One metre long, for a segment of no length has no direction.
+  Segment2() { this->coordinates[2] = T(1); }
   static Segment2 fromArray(const double* p) {
     Segment2 r;
     r.read(p);

@@ -171,7 +171,7 @@ struct EdgeSe3LotsOfXyz : OneToManyEdge<EdgeSe3LotsOfXyz, 3, SE3, Point3> {
   static constexpr auto tag = "EDGE_SE3_LOTSOF_XYZ";
   static constexpr auto doc = "n measured points, in the frame of the pose that sees them";
   static constexpr auto fields = "n x1 y1 z1 ...";
-  static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE;
+  static constexpr std::uint32_t kFlags = GRAFT_EDGE_RELATIVE | GRAFT_EDGE_FIRST_PLACES;
 
   template <class T>
   Vec<T, 3> error(const SE3<T>& pose, const Point3<T>& point, const double* measured) const {

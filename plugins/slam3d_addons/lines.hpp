@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
+
 #include "core/types/plugin.hpp"
 
 namespace graft {
@@ -63,15 +65,33 @@ struct Line3 {
     line.moment = u.col(0) * (cosine / sine);
     return line;
   }
-  /// The delta with o.plus(delta) == *this.
+  /// The shortest delta with o.plus(delta) == *this. A line that went through the
+  /// origin on its way has turned its moment around.
   Vec<T, 4> minus(const Line3& o) const {
     using std::atan2;
     using std::sqrt;
-    const Mat<T, 3> turn = o.frame().transpose() * frame();
-    Vec<T, 4> delta;
-    delta.template head<3>() = logSO3(Eigen::Quaternion<T>(turn));
-    delta[3] = atan2(T(1), sqrt(moment.squaredNorm())) - atan2(T(1), sqrt(o.moment.squaredNorm()));
-    return delta;
+    constexpr double kPi = 3.14159265358979323846;
+    const Mat<T, 3> mine = frame();
+    const T angle = atan2(T(1), sqrt(moment.squaredNorm()));
+    const T from = atan2(T(1), sqrt(o.moment.squaredNorm()));
+    Mat<T, 3> around = mine;
+    around.col(0) *= T(-1);
+    around.col(2) *= T(-1);
+    const std::pair<const Mat<T, 3>*, T> ways[] = {
+        {&mine, angle - from}, {&around, T(kPi) - angle - from}, {&around, -angle - from}};
+    Vec<T, 4> shortest;
+    double length = -1;
+    for (const auto& [axes, turned] : ways) {
+      Vec<T, 4> delta;
+      delta.template head<3>() =
+          logSO3(Eigen::Quaternion<T>(Mat<T, 3>(o.frame().transpose() * *axes)));
+      delta[3] = turned;
+      const double now = valueOf(T(delta.squaredNorm()));
+      if (length >= 0 && !(now < length)) continue;
+      length = now;
+      shortest = delta;
+    }
+    return shortest;
   }
   void renormalize() {
     using std::sqrt;

@@ -32,6 +32,7 @@ class Reader {
       const std::string_view name = tokens.next();
       if (name.empty()) continue;
       name_ = name;
+      empty_ = false;
       switch (tagOf(name)) {
         case Tag::kVertex2:
           vertex(tokens, 3);
@@ -49,6 +50,10 @@ class Reader {
           fail(tokens, "unknown tag " + graft::quoted(name) +
                            ", TORO has VERTEX2, EDGE2, VERTEX3 and EDGE3");
       }
+    }
+    if (empty_) {
+      good_ = false;
+      sink_.report(sink_.host, 2, nullptr, 1, 0, "there is no vertex and no edge");
     }
     return good_;
   }
@@ -136,6 +141,7 @@ class Reader {
   LineReader lines_;
   const graft_graph_sink& sink_;
   std::string_view name_;
+  bool empty_ = true;
   bool good_ = true;
   bool stopped_ = false;
 };

@@ -135,6 +135,19 @@ TEST_F(RelaxationTest, WhatItCannotPlaceIsSpreadFromWhatItCan) {
   EXPECT_LT(guess(g, values, engine_.registry()).chi2_start, 1e-25);
 }
 
+TEST_F(RelaxationTest, AnEdgeOfManyPointsPlacesThemAll) {
+  FactorGraph g(engine_.registry());
+  g.addVertex("VERTEX_SE2", 0, {1, 2, 0.5});
+  for (int i = 1; i < 4; ++i) g.addVertex("VERTEX_XY", i, {50, 50});
+  g.addEdge("EDGE_SE2_LOTSOFXY", {0, 1, 2, 3}, {3, 1, 1, 2, 2, 3, 1});
+  SolveOptions options;
+  options.iterations = 0;
+  Values values = g.values();
+  const Summary summary = optimize(g.graph(), values, engine_.registry(), options);
+  EXPECT_EQ(summary.start, StartKind::kSpanningTree);
+  EXPECT_LT(summary.chi2_start, 1e-25);
+}
+
 TEST_F(RelaxationTest, SaysWhereThereIsNone) {
   FactorGraph g(engine_.registry());
   g.addVertex("VERTEX_XY", 0, {0, 0});
