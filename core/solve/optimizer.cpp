@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/solve/graduated.hpp"
 #include "core/solve/initial_guess.hpp"
 #include "core/solve/relaxation.hpp"
 #include "core/solve/step_strategy.hpp"
@@ -25,7 +26,7 @@ class Solve {
       : options_(options),
         values_(values),
         pool_(options.threads),
-        problem_(graph, options.information),
+        problem_(graph, options.information, options.level),
         solver_(LinearSolver::create(options.linear_solver, registry, pool_)),
         linearizer_(problem_, pool_) {
     summary_.threads = pool_.threads();
@@ -34,6 +35,9 @@ class Solve {
     for (const char* phase :
          {"analyze", "linearize", "factorize", "solve", "update", "evaluate", "associate"}) {
       summary_.seconds_by_phase[phase] = 0;
+    }
+    if (options.graduation.kind != RobustEstimation::kNone) {
+      graduated_ = std::make_unique<Graduated>(problem_, options, summary_.graduation);
     }
   }
 
@@ -59,8 +63,9 @@ class Solve {
   }
 
   Evaluation evaluateAt(const Values& values, State& state) const {
-    Evaluation evaluation = linearizer_.begin(values, state);
-    return evaluation.ok() ? linearizer_.evaluate(state) : evaluation;
+    const Evaluation evaluation = linearizer_.begin(values, state);
+    if (!evaluation.ok()) return evaluation;
+    return trusting_ ? graduated_->truncatedCost(linearizer_, state) : linearizer_.evaluate(state);
   }
 
   /// A state to begin with.
@@ -75,6 +80,12 @@ class Solve {
   Evaluation chooseStart(State& state) {
     Evaluation given = evaluateAt(values_, state);
     summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
+    if (graduated_ != nullptr) {
+      // A guess follows what can be trusted, and is judged by all the rest, too.
+      graduated_->trustOnly();
+      trusting_ = true;
+      given = evaluateAt(values_, state);
+    }
     const InitialGuess wanted = options_.initial_guess;
     if (wanted == InitialGuess::kFile) return given;
     if (state.associations.empty()) return given;
@@ -167,6 +178,7 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
+    if (!graduate(state, chi2)) return;
     SolveContext context(problem_, *solver_, pool_, summary_.seconds_by_phase);
     summary_.ordering = solver_->ordering();
     summary_.factor_flops = solver_->flops();
@@ -176,6 +188,21 @@ class Solve {
     summary_.chi2_final = context.chi2();
     linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
     if (summary_.status != Status::kFailed) values_ = context.state().values;
+  }
+
+  /// Switches off the edges that contradict the others, if that is wanted. False if the
+  /// solve has ended with that.
+  bool graduate(State& state, double& chi2) {
+    if (graduated_ == nullptr) return true;
+    const auto must_stop = [this] {
+      return (options_.interrupt != nullptr && options_.interrupt->load() != 0) ||
+             (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit);
+    };
+    const Evaluation evaluation = graduated_->run(
+        {linearizer_, *solver_, pool_, summary_.seconds_by_phase, must_stop}, state);
+    chi2 = evaluation.chi2;
+    if (!evaluation.ok()) finish(Status::kFailed, evaluation.failure);
+    return evaluation.ok();
   }
 
   void record(IterationRecord record, double chi2) {
@@ -275,6 +302,8 @@ class Solve {
   std::unique_ptr<LinearSolver> solver_;
   Linearizer linearizer_;
   Summary summary_;
+  std::unique_ptr<Graduated> graduated_;
+  bool trusting_ = false;  ///< starts are judged by what graduation minimises
 };
 
 }  // namespace
@@ -286,10 +315,10 @@ Summary optimize(const Graph& graph, Values& values, Registry& registry,
   return Solve(graph, values, registry, options).run();
 }
 
-double evaluateChi2(const Graph& graph, const Values& values,
-                    std::map<std::string, double>* by_tag) {
+double evaluateChi2(const Graph& graph, const Values& values, std::map<std::string, double>* by_tag,
+                    std::int32_t level) {
   ThreadPool pool(1);
-  const Problem problem(graph, InformationPolicy::kProject);
+  const Problem problem(graph, InformationPolicy::kProject, level);
   const Linearizer linearizer(problem, pool);
   State state;
   Evaluation evaluation = linearizer.begin(values, state);

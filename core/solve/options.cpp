@@ -25,6 +25,13 @@ std::string SolveOptions::validate() const {
   for (const std::string& check : checks) {
     if (!check.empty()) return check;
   }
+  if (level < kAllLevels) {
+    return "level is " + std::to_string(level) + ", but must be 0 or more, or -1 for all";
+  }
+  const double probability = graduation.inlier_probability;
+  if (!(probability > 0 && probability < 1)) {
+    return "inlier_probability is " + formatDouble(probability) + ", but must be between 0 and 1";
+  }
   if (threads > 1024) return "threads is " + std::to_string(threads) + ", but must be at most 1024";
   return {};
 }
