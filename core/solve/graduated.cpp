@@ -28,7 +28,8 @@ constexpr double kDecided = 1e-4;
 constexpr double kNegligible = 1e-3;
 /// Iterations of a round, and the relative change of F that ends it. Between two rounds
 /// the cost changes anyway, so early rounds need no exact minimum.
-constexpr int kRoundIterations = 30;
+constexpr int kRoundIterations = 5;
+constexpr int kExactIterations = 30;
 constexpr double kRoundTolerance = 1e-4;
 constexpr double kExactTolerance = 1e-9;
 /// Thresholds are as for noise of this many times the variance that the kept edges show.
@@ -211,7 +212,7 @@ Evaluation Graduated::round(const Tools& tools, bool exact, State& state) {
   context.start(std::move(state), evaluation.chi2);
   const double tolerance = exact ? kExactTolerance : kRoundTolerance;
   bool linearized = false;
-  for (int i = 0; i < kRoundIterations && !tools.must_stop(); ++i) {
+  for (int i = 0; i < (exact ? kExactIterations : kRoundIterations) && !tools.must_stop(); ++i) {
     if (!linearized) evaluation = context.linearize();
     if (!evaluation.ok()) break;
     linearized = true;
