@@ -90,7 +90,7 @@ void setGuess(Engine& engine, const std::string& name, SolveOptions& options) {
   if (engine.registry().guess(name) == nullptr) {
     std::string known = knownNames(engine, Kind::kGuess);
     known = known.empty() ? ")" : ", " + known.substr(9);
-    throw Error(ExitCode::kUsage, "unknown initial guess " + graft::quoted(name) +
+    throw Error(ExitCode::kUsage, "--initial-guess: unknown initial guess " + graft::quoted(name) +
                                       " (known: auto, file, spanning-tree, chordal" + known);
   }
   options.initial_guess = InitialGuess::kPlugin;
