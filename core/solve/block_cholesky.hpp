@@ -39,10 +39,17 @@ class BlockCholesky {
   const std::vector<double>& inverses() const { return inverses_; }
 
  private:
+  /// Each of these factors what it says and returns -1 or the block that failed.
+  std::int32_t factorSupernode(std::size_t index, const double* values, const double* damping,
+                               bool share);
+  std::int32_t factorColumns(std::size_t index);
+  std::int32_t factorAbsorbed(const Supernode& s, const double* values, const double* damping,
+                              bool share);
   void assembleMatrix(std::size_t index, const double* values, const double* damping);
   void assembleColumns(const Supernode& s, const Supernode& child);
   void assembleUpdate(const Supernode& s, const Supernode& child);
-  int factorSupernode(std::size_t index, const double* values, const double* damping, bool share);
+  void assembleAbsorbed(const Supernode& s, bool share);
+  void addAbsorbed(const Supernode& s, const Supernode& child, int begin, int end);
   void formUpdate(const Supernode& s, bool share);
   std::int32_t blockAt(const Supernode& s, int column) const;
 

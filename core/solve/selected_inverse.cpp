@@ -197,7 +197,7 @@ class Inversion {
         for (int e = 0; e < width * kStrip; ++e) tile[e] = -tile[e];
         if (m == 0) continue;
         kernels_.subtractProduct(m, w.coupling.data() + i * kStrip * m,
-                                 w.weights.data() + std::int64_t{j} * m, width, tile);
+                                 w.weights.data() + std::int64_t{j} * m, width, tile, kStrip);
       }
     });
     for (const std::size_t pair : wanted_[index]) extract(s, w, pair);
@@ -224,7 +224,7 @@ class Inversion {
         double* c = row + begin * kStrip;
         if (begin > first) {
           kernels_.subtractProduct(begin - first, row + first * kStrip, own + first * kStrip, width,
-                                   c);
+                                   c, kStrip);
         }
         kernels_.solveTile(width, own + begin * kStrip, inverses + begin, c);
       }

@@ -88,6 +88,27 @@ inline std::set<std::pair<int, int>> gridPairs(int side) {
   return grid;
 }
 
+/// Blocks 0 .. poses - 1 form a chain, all others are seen by some of them; every seventh
+/// of those is also joined to the one before it, as an edge of three blocks does it.
+inline std::set<std::pair<int, int>> landmarkPairs(int poses, int landmarks, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::set<std::pair<int, int>> pairs;
+  for (int i = 1; i < poses; ++i) pairs.insert({i - 1, i});
+  for (int j = poses; j < poses + landmarks; ++j) {
+    const int first = int(random() % std::uint64_t(poses));
+    for (int k = 0; k < 2 + j % 4; ++k) pairs.insert({(first + 2 * k) % poses, j});
+    if (j % 7 == 0 && j > poses) pairs.insert({j - 1, j});
+  }
+  return pairs;
+}
+
+/// Dimension 6 for the poses of these, 3 for the others.
+inline std::vector<std::int32_t> landmarkDims(int poses, int landmarks) {
+  std::vector<std::int32_t> dims(std::size_t(poses), 6);
+  dims.resize(std::size_t(poses + landmarks), 3);
+  return dims;
+}
+
 /// `count` random pairs of n blocks.
 inline std::set<std::pair<int, int>> randomPairs(int n, int count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
