@@ -20,8 +20,9 @@ constexpr std::int64_t kLeavesPerPiece = 64;
 
 }  // namespace
 
-void BlockCholesky::analyze(const graft_block_pattern& pattern) {
-  symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1);
+void BlockCholesky::analyze(const graft_block_pattern& pattern,
+                            const std::vector<std::int32_t>& order) {
+  symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1, order);
   dims_.assign(pattern.dims, pattern.dims + pattern.block_count);
   offsets_.assign(1, 0);
   for (const std::int32_t dim : dims_) offsets_.push_back(offsets_.back() + dim);

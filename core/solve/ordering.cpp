@@ -192,6 +192,10 @@ Ordering orderBySchur(const BlockGraph& graph) {
 
 }  // namespace
 
+Ordering keepOrdering(const BlockGraph& graph, std::vector<std::int32_t> order) {
+  return evaluated(graph, "kept", std::move(order));
+}
+
 Ordering chooseOrdering(const BlockGraph& graph) {
   if (graph.neighbours.empty()) {
     return evaluated(graph, "natural", orderByAmd(graph));

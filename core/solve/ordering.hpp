@@ -22,7 +22,7 @@ struct BlockGraph {
 
 /// An elimination order and what it leads to.
 struct Ordering {
-  /// "natural", "amd", "metis", or such as "schur(1200 of 1250)+amd": so many blocks are
+  /// "natural", "amd", "metis", "kept", or such as "schur(1200 of 1250)+amd": so many blocks are
   /// eliminated first, independently of each other, and what is left is ordered by "amd".
   std::string name;
   std::vector<std::int32_t> order;  ///< position -> block
@@ -36,6 +36,9 @@ struct Ordering {
 /// leave of the others (their Schur complement), a small graph, is ordered by these two;
 /// minimum degree on all blocks is then tried only where it can pay.
 Ordering chooseOrdering(const BlockGraph& graph);
+
+/// A given order, judged.
+Ordering keepOrdering(const BlockGraph& graph, std::vector<std::int32_t> order);
 
 /// Parent of every position in the elimination tree of the permuted graph, -1 = root.
 /// Source: Liu, "The role of elimination trees in sparse factorization", 1990.
