@@ -111,10 +111,10 @@ Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
 
 /// One line a vertex by rising id: tag, id, upper triangle of the covariance in
 /// its tangent, row by row.
-std::string formatCovariances(const LoadedGraph& loaded, Engine& engine) {
+std::string formatCovariances(const LoadedGraph& loaded, const CovarianceOptions& options) {
   const std::vector<VertexRef> vertices = loaded.graph.verticesById();
   const std::vector<Eigen::MatrixXd> covariances =
-      marginalCovariances(loaded.graph, loaded.values, engine.registry(), vertices);
+      marginalCovariances(loaded.graph, loaded.values, vertices, options);
   std::string out;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     out += std::string(loaded.graph.type(vertices[i]).tag) + ' ' +
@@ -164,7 +164,8 @@ ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
                                   {directoryOf(options.input), directoryOf(options.output)}));
   }
   if (!options.covariance.empty() && summary.usable()) {
-    writeFileAtomically(options.covariance, formatCovariances(loaded, *engine));
+    writeFileAtomically(options.covariance, formatCovariances(loaded, {solve_options.information,
+                                                                       solve_options.threads}));
   }
   times.write = secondsSince(write_start);
   times.total = secondsSince(start);
