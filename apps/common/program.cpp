@@ -6,6 +6,7 @@
 #include <new>
 
 #include "apps/common/interrupt.hpp"
+#include "apps/common/last_words.hpp"
 
 #ifndef GRAFT_VERSION
 #define GRAFT_VERSION "unknown"
@@ -48,6 +49,7 @@ ExitCode Program::parseAndRun(int argc, char** argv) {
 
 int Program::main(int argc, char** argv) {
   installInterruptHandlers();
+  installLastWords();
   ExitCode code = ExitCode::kInternal;
   try {
     code = parseAndRun(argc, argv);
