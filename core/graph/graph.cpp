@@ -52,7 +52,8 @@ VertexRef Graph::addVertex(const graft_vertex_type& type, std::int64_t id, const
   std::vector<double> numbers(std::size_t(type.ambient_dim));
   if (estimate == nullptr) {
     callPlugin(Callback::kIdentity, type.tag, [&] { type.identity(numbers.data()); });
-    requireFinite(numbers.data(), numbers.size(), std::string("the identity of ") + type.tag);
+    requireFinite(numbers.data(), numbers.size(),
+                  std::string("the identity of ") + type.tag + ofPlugin(type.tag));
   } else {
     std::copy(estimate, estimate + type.ambient_dim, numbers.begin());
     requireFinite(estimate, numbers.size(), "vertex " + std::to_string(id));

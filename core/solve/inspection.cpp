@@ -63,7 +63,7 @@ class Differences {
       return group_.type->evaluate(&one, errors_.data(), jacobian, &message);
     };
     if (callPlugin(Callback::kEvaluate, group_.type->tag, message, call) != GRAFT_OK) {
-      fail(edge, message.text + ofPlugin(group_.type->tag));
+      fail(edge, withPlugin(message.text, group_.type->tag));
     }
   }
 

@@ -70,6 +70,9 @@ class Plugged : public LinearSolver {
     if (status == GRAFT_FAILED) outcome.message = describe("failed", message);
     const bool named = outcome.failed_block >= 0 && outcome.failed_block < block_count_;
     if (status != GRAFT_NOT_POSITIVE_DEFINITE || !named) outcome.failed_block = -1;
+    if (status == GRAFT_NOT_POSITIVE_DEFINITE && !named) {
+      outcome.message = describe("finds no positive definite matrix", message);
+    }
     return outcome;
   }
   LinearOutcome solve(const double* b, double* x) override {
@@ -85,7 +88,7 @@ class Plugged : public LinearSolver {
   std::string describe(const char* what, const graft_message& message) const {
     std::string text = std::string("linear solver ") + type_.name + " " + what;
     if (message.text[0] != '\0') text += std::string(": ") + message.text;
-    return text + ofPlugin(type_.name);
+    return withPlugin(text, type_.name);
   }
   const graft_solver_type& type_;
   void* self_;

@@ -59,6 +59,12 @@ Robust robustify(const Graph& graph, std::int32_t kernel, double s) {
   return {rho[0], rho[1]};
 }
 
+std::string byKernel(const Graph& graph, std::int32_t kernel) {
+  if (kernel < 0) return "";
+  const char* name = graph.kernels()[std::size_t(kernel)].type->name;
+  return std::string(", its kernel is ") + name + ofPlugin(name);
+}
+
 /// Finds the edge that makes a batch fail and says what is wrong with it.
 std::string diagnose(const Graph& graph, const EdgeGroup& group, const EdgeBatch& batch,
                      std::int64_t begin, bool jacobians) {
@@ -136,9 +142,10 @@ Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& chan
     graft_message message = {};
     if (associateEdges(*group.type, batch.view(), first, associations, flags.data(), message) !=
         GRAFT_OK) {
-      failures[std::size_t(piece)] = "association of edges " + std::string(group.type->tag) +
-                                     " near " + group.describe(problem_->graph(), chunk.begin) +
-                                     ": " + message.text + ofPlugin(group.type->tag);
+      failures[std::size_t(piece)] =
+          withPlugin("association of edges " + std::string(group.type->tag) + " near " +
+                         group.describe(problem_->graph(), chunk.begin) + ": " + message.text,
+                     group.type->tag);
     }
     counts[std::size_t(piece)] = std::count(flags.begin(), flags.end(), 1);
   });
@@ -234,7 +241,9 @@ Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, dou
     const Robust robust = robustify(graph, group.kernels[index], s);
     if (!std::isfinite(s) || !std::isfinite(robust.value) || !std::isfinite(robust.weight) ||
         robust.weight < 0) {
-      return {0, "chi2 of edge " + group.describe(graph, chunk.begin + e) + " is not finite"};
+      const std::string edge = group.describe(graph, chunk.begin + e);
+      return {0, "chi2 of edge " + edge + " is not finite" +
+                     (std::isfinite(s) ? byKernel(graph, group.kernels[index]) : std::string())};
     }
     result.chi2 += robust.value;
     if (jacobians == nullptr) continue;

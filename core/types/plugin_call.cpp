@@ -36,7 +36,8 @@ struct Place {
   ~Place() {
     if (index < 0) return;
     Slot& slot = slots[std::size_t(index)];
-    slot.tag.store(nullptr, std::memory_order_relaxed);
+    // A thread that ends inside a call is one that called exit(): last words need to know.
+    if (slot.tag.load(std::memory_order_relaxed) != nullptr) return;
     slot.taken.store(false, std::memory_order_release);
     index = -1;
   }
@@ -144,6 +145,13 @@ const char* libraryOf(const char* tag) noexcept {
   if (tag == nullptr || ::dladdr(tag, &theirs) == 0 || theirs.dli_fname == nullptr) return "";
   if (::dladdr(&here, &ours) != 0 && ours.dli_fbase == theirs.dli_fbase) return "";
   return theirs.dli_fname;
+}
+
+std::string withPlugin(const std::string& text, const char* tag) {
+  const std::string plugin = ofPlugin(tag);
+  const bool has = text.size() >= plugin.size() &&
+                   text.compare(text.size() - plugin.size(), plugin.size(), plugin) == 0;
+  return has ? text : text + plugin;
 }
 
 std::string ofPlugin(const char* tag) {

@@ -71,6 +71,8 @@ const char* libraryOf(const char* tag) noexcept;
 
 /// " (plugin /path/libgraft_x.so)" for messages about a type, or empty.
 std::string ofPlugin(const char* tag);
+/// A text that ends so, once.
+std::string withPlugin(const std::string& text, const char* tag);
 
 [[noreturn]] void throwFromPlugin(Callback callback, const char* tag, const char* what);
 
@@ -94,14 +96,13 @@ auto callPlugin(Callback callback, const char* tag, Body&& body) -> decltype(bod
 }
 
 /// The same for a function with a status and a message: an exception becomes
-/// GRAFT_FAILED and its text.
+/// GRAFT_FAILED and its text, with the plugin's file.
 template <class Body>
 int callPlugin(Callback callback, const char* tag, graft_message& message, Body&& body) {
   const PluginCall call(callback, tag);
-  const auto say = [&message](const char* text) {
-    std::size_t i = 0;
-    for (; text[i] != '\0' && i + 1 < sizeof message.text; ++i) message.text[i] = text[i];
-    message.text[i] = '\0';
+  const auto say = [&message, tag](const char* text) {
+    const std::string whole = text + ofPlugin(tag);
+    message.text[whole.copy(message.text, sizeof message.text - 1)] = '\0';
   };
   int status = GRAFT_FAILED;
   try {
