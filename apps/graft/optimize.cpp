@@ -4,6 +4,7 @@
 #include <map>
 
 #include "apps/common/interrupt.hpp"
+#include "apps/common/last_words.hpp"
 #include "apps/common/progress.hpp"
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
@@ -98,6 +99,7 @@ void setGuess(Engine& engine, const std::string& name, SolveOptions& options) {
 }
 
 Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
+  const Watchdog watchdog(options.time_limit);
   ProgressBar bar("optimize", options.iterations);
   options.interrupt = &interruptFlag();
   options.callback = [&bar](const IterationRecord& record, const Values&) {

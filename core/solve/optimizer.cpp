@@ -2,6 +2,7 @@
 #include "core/solve/optimizer.hpp"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -30,6 +31,7 @@ class Solve {
         solver_(solver),
         memory_(memory),
         linearizer_(problem_, pool_) {
+    linearizer_.setInterrupt(options.interrupt);
     summary_.threads = pool_.threads();
     summary_.linear_solver = options.linear_solver;
     summary_.notes = problem_.notes();
@@ -48,7 +50,8 @@ class Solve {
     summary_.seconds_guess = watch_.seconds();
     const Stopwatch solving;
     if (!start.evaluation.ok()) {
-      finish(Status::kFailed, start.evaluation.failure);
+      summary_.chi2_start = summary_.chi2_final = std::numeric_limits<double>::quiet_NaN();
+      fail(start.evaluation.failure);
     } else {
       summary_.chi2_start = summary_.chi2_final = start.evaluation.chi2;
       iterate(std::move(start.state), start.evaluation.chi2);
@@ -61,6 +64,15 @@ class Solve {
   void finish(Status status, std::string reason) {
     summary_.status = status;
     summary_.reason = std::move(reason);
+  }
+
+  /// An evaluation or a step that failed: of itself, or because of an interrupt.
+  void fail(const std::string& reason) {
+    if (isInterrupted()) return finish(Status::kInterrupted, "interrupted");
+    finish(Status::kFailed, reason);
+  }
+  bool isInterrupted() const {
+    return options_.interrupt != nullptr && options_.interrupt->load() != 0;
   }
 
   void iterate(State state, double chi2) {
@@ -76,11 +88,12 @@ class Solve {
     summary_.symbolic_reuse = context.symbolicReuse();
     summary_.ordering = solver_.ordering();
     summary_.factor_flops = solver_.flops();
+    context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
     summary_.associations_changed = context.associationsChanged();
     summary_.chi2_final = context.chi2();
-    linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
+    if (!isInterrupted()) linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
     if (summary_.status != Status::kFailed) values_ = context.state().values;
   }
 
@@ -95,7 +108,7 @@ class Solve {
     const IterationRecord& last = summary_.iterations.back();
     if (options_.callback && !options_.callback(last, context.state().values)) {
       finish(Status::kInterrupted, "the callback asked to stop");
-    } else if (options_.interrupt != nullptr && options_.interrupt->load() != 0) {
+    } else if (isInterrupted()) {
       finish(Status::kInterrupted, "interrupted");
     } else if (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit) {
       finish(Status::kTimeLimit,
@@ -116,7 +129,7 @@ class Solve {
       if (mustStop(context)) return;
       if (!linearized) {
         const Evaluation evaluation = context.linearize();
-        if (!evaluation.ok()) return finish(Status::kFailed, evaluation.failure);
+        if (!evaluation.ok()) return fail(evaluation.failure);
         linearized = true;
       }
       IterationRecord entry;
@@ -142,9 +155,9 @@ class Solve {
       entry.associations_changed = context.associationsChanged() - changed;
       record(entry, context.chi2());
       if (result.kind == StepResult::Kind::kFailed) {
-        return finish(Status::kFailed,
-                      "iteration " + std::to_string(iteration) + ": " + result.reason);
+        return fail("iteration " + std::to_string(iteration) + ": " + result.reason);
       }
+      if (!entry.accepted && isInterrupted()) return fail(result.reason);
       if (result.kind == StepResult::Kind::kStuck) return finishStuck(result, moved);
       if (!entry.accepted) continue;
       moved = true;
