@@ -91,6 +91,8 @@ const char* callbackName(Callback callback) noexcept {
       return "evaluate()";
     case Callback::kSolver:
       return "the linear solver";
+    case Callback::kGuess:
+      return "guess()";
     case Callback::kLoadResource:
       return "load()";
     case Callback::kLoadFile:
