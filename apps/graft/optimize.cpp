@@ -3,6 +3,7 @@
 #include <map>
 
 #include "apps/common/interrupt.hpp"
+#include "apps/common/last_words.hpp"
 #include "apps/common/progress.hpp"
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
@@ -24,6 +25,7 @@ struct OptimizeOptions {
   std::string output;
   std::string json;
   std::string covariance;
+  std::string guess = "auto";
   RobustOptions robust;
   std::string threads = "all";
   SolveOptions solve;
@@ -60,7 +62,30 @@ void requireSolver(Engine& engine, const std::string& name) {
   throw Error(ExitCode::kUsage, "unknown linear solver " + graft::quoted(name) + known);
 }
 
+/// Sets the guess by its name, built in or of a plugin.
+void setGuess(Engine& engine, const std::string& name, SolveOptions& options) {
+  const std::map<std::string, InitialGuess> built_in = {
+      {"auto", InitialGuess::kAuto},
+      {"file", InitialGuess::kFile},
+      {"spanning-tree", InitialGuess::kSpanningTree},
+      {"chordal", InitialGuess::kChordal}};
+  const auto found = built_in.find(name);
+  if (found != built_in.end()) {
+    options.initial_guess = found->second;
+    return;
+  }
+  if (engine.registry().guess(name) == nullptr) {
+    std::string known = knownNames(engine, Kind::kGuess);
+    known = known.empty() ? ")" : ", " + known.substr(9);
+    throw Error(ExitCode::kUsage, "--initial-guess: unknown initial guess " + graft::quoted(name) +
+                                      " (known: auto, file, spanning-tree, chordal" + known);
+  }
+  options.initial_guess = InitialGuess::kPlugin;
+  options.guess_name = name;
+}
+
 Summary solve(const Graph& graph, Values& values, Engine& engine, SolveOptions options) {
+  const Watchdog watchdog(options.time_limit);
   ProgressBar bar("optimize", options.iterations);
   options.interrupt = &interruptFlag();
   options.callback = [&bar](const IterationRecord& record, const Values&) {
@@ -74,10 +99,11 @@ Summary solve(const Graph& graph, Values& values, Engine& engine, SolveOptions o
 
 /// One line a vertex by rising id: tag, id, upper triangle of the covariance in
 /// its tangent, row by row.
-std::string formatCovariances(const Graph& graph, const Values& values, Engine& engine) {
+std::string formatCovariances(const Graph& graph, const Values& values,
+                              const CovarianceOptions& options) {
   const std::vector<VertexRef> vertices = graph.verticesById();
   const std::vector<Eigen::MatrixXd> covariances =
-      marginalCovariances(graph, values, engine.registry(), vertices);
+      marginalCovariances(graph, values, vertices, options);
   std::string out;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     out += std::string(graph.type(vertices[i]).tag) + ' ' + std::to_string(graph.id(vertices[i]));
@@ -85,7 +111,8 @@ std::string formatCovariances(const Graph& graph, const Values& values, Engine& 
     for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
       for (Eigen::Index c = r; c < covariance.cols(); ++c) {
         out += ' ';
-        appendDouble(out, covariance(r, c));
+        // No -0.
+        appendDouble(out, covariance(r, c) + 0.0);
       }
     }
     out += '\n';
@@ -105,6 +132,7 @@ ExitCode run(OptimizeOptions& options, Clock::time_point start) {
   }
   const auto engine = makeEngine(options.engine);
   requireSolver(*engine, solve_options.linear_solver);
+  setGuess(*engine, options.guess, solve_options);
   options.robust.resolve(*engine, solve_options);
   const std::string invalid = solve_options.validate();
   if (!invalid.empty()) throw Error(ExitCode::kUsage, invalid);
@@ -132,9 +160,10 @@ ExitCode run(OptimizeOptions& options, Clock::time_point start) {
                                   {directoryOf(options.input), directoryOf(options.output)}));
   }
   if (!options.covariance.empty() && summary.usable()) {
-    writeFileAtomically(options.covariance,
-                        formatCovariances(solvedGraph(graph, solve_options.level, summary),
-                                          loaded.values, *engine));
+    writeFileAtomically(
+        options.covariance,
+        formatCovariances(solvedGraph(graph, solve_options.level, summary), loaded.values,
+                          {solve_options.information, solve_options.threads}));
   }
   times.write = secondsSince(write_start);
   times.total = secondsSince(start);
@@ -179,19 +208,14 @@ void addOptimize(Program& program, Clock::time_point start) {
       ->capture_default_str();
   options->engine.addPluginOption(*command);
   options->robust.addTo(*command);
-  const std::map<std::string, InitialGuess> guesses = {
-      {"auto", InitialGuess::kAuto},
-      {"file", InitialGuess::kFile},
-      {"spanning-tree", InitialGuess::kSpanningTree},
-      {"chordal", InitialGuess::kChordal}};
   command
-      ->add_option("--initial-guess", solve.initial_guess,
+      ->add_option("--initial-guess", options->guess,
                    "file, spanning-tree, chordal (rotations as free matrices by least squares, "
-                   "projected, then translations), or auto (default): the lowest initial chi2 "
-                   "wins; chordal takes part where the others' is above 10 per measured number and "
-                   "rotations are measured around loops")
+                   "projected, then translations), a plugin's guess (see 'graft types'), or auto: "
+                   "the lowest initial chi2 wins; chordal takes part where the others' is above 10 "
+                   "per measured number and rotations are measured around loops")
       ->type_name("NAME")
-      ->transform(CLI::CheckedTransformer(guesses).description(""));
+      ->capture_default_str();
   options->engine.addLoadOptions(*command);
   command->add_option("--time-limit", solve.time_limit, "Stop after this many seconds, 0 = never")
       ->check(CLI::NonNegativeNumber)

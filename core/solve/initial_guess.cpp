@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/solve/edge_batch.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -108,9 +109,13 @@ class Spreading {
     const VertexRef v = vertices[open];
     const graft_vertex_type& type = problem_.graph().type(v);
     std::vector<double> estimate(state_.values.at(v), state_.values.at(v) + type.ambient_dim);
-    if (group.type->propagate(&batch.view(), open, estimate.data()) != GRAFT_OK) return;
     graft_message message = {};
-    if (type.normalize(estimate.data(), &message) != GRAFT_OK) return;
+    const auto propagate = [&] {
+      return group.type->propagate(&batch.view(), open, estimate.data());
+    };
+    if (callPlugin(Callback::kPropagate, group.type->tag, propagate) != GRAFT_OK) return;
+    const auto normalize = [&] { return type.normalize(estimate.data(), &message); };
+    if (callPlugin(Callback::kNormalize, type.tag, message, normalize) != GRAFT_OK) return;
     for (const double number : estimate) {
       if (!std::isfinite(number)) return;
     }

@@ -13,7 +13,7 @@
 namespace graft {
 
 enum class Algorithm { kLevenbergMarquardt, kGaussNewton, kDogleg };
-enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal };
+enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal, kPlugin };
 
 /// SolveOptions::level: edges of every level take part.
 constexpr std::int32_t kAllLevels = -1;
@@ -54,6 +54,7 @@ struct IterationRecord {
 struct SolveOptions {
   Algorithm algorithm = Algorithm::kLevenbergMarquardt;
   InitialGuess initial_guess = InitialGuess::kAuto;
+  std::string guess_name;  ///< for InitialGuess::kPlugin: which guess of the registry
   InformationPolicy information = InformationPolicy::kError;
   std::string linear_solver = "block";
   Graduation graduation;
