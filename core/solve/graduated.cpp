@@ -21,6 +21,10 @@ constexpr int kPatience = 3;       ///< passes without progress that end the fir
 constexpr int kLaterPatience = 2;  ///< ... and those for the noise that it found
 constexpr double kSameCost = 1e-9;
 constexpr int kSettlingRounds = 30;
+/// Kept edges whose errors are above this share of their thresholds are tried without,
+/// until so many in a row had to be kept.
+constexpr double kSuspicious = 0.1;
+constexpr int kSuspects = 8;
 /// Weights this near 0 or 1 count as decided.
 constexpr double kDecided = 1e-4;
 /// Weights of Geman and McClure below this are 0, so that false edges, which tie together
@@ -259,9 +263,57 @@ Evaluation Graduated::pass(const Tools& tools, double parameter, State& state) {
     parameter = truncated ? parameter * kSteeper : std::max(1.0, parameter / kSteeper);
   }
   setSides();
+  return settle(tools, state);
+}
+
+Evaluation Graduated::settle(const Tools& tools, State& state) {
+  Evaluation evaluation;
   for (int i = 0; i < kSettlingRounds; ++i) {
     evaluation = round(tools, true, state);
     if (!evaluation.ok() || tools.must_stop() || !setSides()) break;
+  }
+  return evaluation;
+}
+
+bool Graduated::findSuspect(const std::set<Place>& known, Place& suspect) const {
+  double worst = kSuspicious;
+  for (std::size_t g = 0; g < candidates_.size(); ++g) {
+    for (std::size_t e = 0; e < candidates_[g].size(); ++e) {
+      if (candidates_[g][e] == 0 || squares_[g][e] <= worst * thresholds_[g][e]) continue;
+      if (problem_->groups()[g].weight(std::int64_t(e)) == 0 || known.count({g, e}) > 0) continue;
+      worst = squares_[g][e] / thresholds_[g][e];
+      suspect = {g, e};
+    }
+  }
+  return worst > kSuspicious;
+}
+
+Evaluation Graduated::dropSuspects(const Tools& tools, State& state) {
+  Evaluation evaluation = tools.linearizer.evaluate(state);
+  double cost = truncatedCost(evaluation.chi2);
+  std::set<Place> known;
+  Place suspect;
+  for (int failures = 0; failures < kSuspects && evaluation.ok() && !tools.must_stop();) {
+    if (!findSuspect(known, suspect)) break;
+    known.insert(suspect);
+    const State before = state;
+    const std::vector<std::vector<double>> squares = squares_;
+    std::vector<double> weights = problem_->groups()[suspect.first].weights;
+    weights[suspect.second] = 0;
+    problem_->setWeights(suspect.first, std::move(weights));
+    const Evaluation without = settle(tools, state);
+    const double cost_without = truncatedCost(without.chi2);
+    if (without.ok() && cost_without < cost * (1 - kSameCost)) {
+      evaluation = without;
+      cost = cost_without;
+      failures = 0;
+      continue;
+    }
+    ++failures;
+    state = before;
+    squares_ = squares;
+    setSides();
+    if (!without.ok()) evaluation = without;
   }
   return evaluation;
 }
@@ -304,7 +356,7 @@ Evaluation Graduated::search(const Tools& tools, State& state) {
   state = std::move(best);
   squares_ = std::move(best_squares);
   setSides();
-  return tools.linearizer.evaluate(state);
+  return dropSuspects(tools, state);
 }
 
 bool Graduated::fitNoise(double kept) {
