@@ -2,6 +2,7 @@
 #include "core/solve/optimizer.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -72,10 +73,18 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
-    SolveContext context(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    std::optional<SolveContext> made;
+    try {
+      made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kNoResult) throw;
+      return finish(Status::kFailed, error.what());  // it would not fit into memory
+    }
+    SolveContext& context = *made;
     summary_.symbolic_reuse = context.symbolicReuse();
     summary_.ordering = solver_.ordering();
     summary_.factor_flops = solver_.flops();
+    summary_.factor_bytes = solver_.bytes();
     context.start(std::move(state), chi2);
     loop(context);
     summary_.associations_changed = context.associationsChanged();
