@@ -201,10 +201,9 @@ class Reader {
     std::int32_t measurement_dim = edge_type.measurement_dim;
     if (edge_type.arity == GRAFT_DYNAMIC) {
       graft_message message = {};
-      if (arity == 0 ||
-          edge_type.shape(arity, &error_dim, &measurement_dim, &message) != GRAFT_OK) {
-        return fail(0, std::string(tag_) + " with " + std::to_string(arity) +
-                           " vertices: " + (arity == 0 ? "needs vertices" : message.text));
+      if (!edgeShape(edge_type, arity, error_dim, measurement_dim, message)) {
+        return fail(
+            0, std::string(tag_) + " with " + std::to_string(arity) + " vertices: " + message.text);
       }
     }
     const auto entries = std::size_t(triangleSize(error_dim));

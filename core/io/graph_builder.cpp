@@ -7,6 +7,7 @@
 
 #include "core/base/text.hpp"
 #include "core/io/information_check.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -161,8 +162,9 @@ void GraphBuilder::resolveResources() {
     std::vector<const char*> tokens;
     for (const std::string& token : pending.tokens) tokens.push_back(token.c_str());
     graft_message message = {};
-    const void* data =
-        type.load(directory.c_str(), std::int32_t(tokens.size()), tokens.data(), &message);
+    const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
+      return type.load(directory.c_str(), std::int32_t(tokens.size()), tokens.data(), &message);
+    });
     if (data == nullptr) {
       definitionLost();
       error(pending.line, 0, name + ": " + message.text);

@@ -11,6 +11,7 @@
 #include "core/solve/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/solve/normal_equations.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -37,10 +38,7 @@ class Differences {
   /// The largest difference between the edge's Jacobian and differences.
   double worst(graft_edge_batch one, std::int64_t edge) {
     Eigen::MatrixXd exact(group_.error_dim, group_.tangent_dim);
-    graft_message message = {};
-    if (group_.type->evaluate(&one, errors_.data(), exact.data(), &message) != GRAFT_OK) {
-      fail(edge, message.text);
-    }
+    evaluate(one, edge, exact.data());
     const double scale = 1 + exact.lpNorm<Eigen::Infinity>();
     double smallest = std::numeric_limits<double>::infinity();
     for (const double step : {1e-3, 1e-5}) {
@@ -59,6 +57,16 @@ class Differences {
                 "edge " + group_.describe(problem_.graph(), edge) + ": " + why);
   }
 
+  void evaluate(const graft_edge_batch& one, std::int64_t edge, double* jacobian) {
+    graft_message message = {};
+    const auto call = [&] {
+      return group_.type->evaluate(&one, errors_.data(), jacobian, &message);
+    };
+    if (callPlugin(Callback::kEvaluate, group_.type->tag, message, call) != GRAFT_OK) {
+      fail(edge, withPlugin(message.text, group_.type->tag));
+    }
+  }
+
   Eigen::VectorXd errorAt(graft_edge_batch one, std::int64_t edge, int slot, int axis,
                           double step) {
     const VertexRef v = group_.vertices[std::size_t(edge * group_.arity + slot)];
@@ -68,13 +76,11 @@ class Differences {
     x.resize(std::size_t(type.ambient_dim));
     Eigen::VectorXd delta = Eigen::VectorXd::Zero(type.tangent_dim);
     delta[axis] = step;
-    type.plus(1, one.vertices[slot], delta.data(), x.data());
+    callPlugin(Callback::kPlus, type.tag,
+               [&] { type.plus(1, one.vertices[slot], delta.data(), x.data()); });
     pointers_[std::size_t(slot)] = x.data();
     one.vertices = pointers_.data();
-    graft_message message = {};
-    if (group_.type->evaluate(&one, errors_.data(), nullptr, &message) != GRAFT_OK) {
-      fail(edge, message.text);
-    }
+    evaluate(one, edge, nullptr);
     return errors_;
   }
 

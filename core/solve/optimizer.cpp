@@ -2,11 +2,13 @@
 #include "core/solve/optimizer.hpp"
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/solve/graduated.hpp"
 #include "core/solve/start.hpp"
 #include "core/solve/step_strategy.hpp"
 
@@ -27,10 +29,11 @@ class Solve {
         options_(options),
         values_(values),
         pool_(pool),
-        problem_(graph, options.information),
+        problem_(graph, options.information, options.level),
         solver_(solver),
         memory_(memory),
         linearizer_(problem_, pool_) {
+    linearizer_.setInterrupt(options.interrupt);
     summary_.threads = pool_.threads();
     summary_.linear_solver = options.linear_solver;
     summary_.notes = problem_.notes();
@@ -38,18 +41,21 @@ class Solve {
          {"analyze", "linearize", "factorize", "solve", "update", "evaluate", "associate"}) {
       summary_.seconds_by_phase[phase] = 0;
     }
+    if (options.graduation.kind != RobustEstimation::kNone) {
+      graduated_ = std::make_unique<Graduated>(problem_, options, summary_.graduation);
+    }
   }
 
   Summary run() {
-    Start start = chooseStart(problem_, linearizer_, pool_, registry_, options_, values_);
+    Start start = begin();
     summary_.start = start.kind;
     summary_.start_name = start.name;
-    summary_.chi2_initial = start.chi2_given;
     summary_.notes.insert(summary_.notes.end(), start.notes.begin(), start.notes.end());
     summary_.seconds_guess = watch_.seconds();
     const Stopwatch solving;
     if (!start.evaluation.ok()) {
-      finish(Status::kFailed, start.evaluation.failure);
+      summary_.chi2_start = summary_.chi2_final = std::numeric_limits<double>::quiet_NaN();
+      fail(start.evaluation.failure);
     } else {
       summary_.chi2_start = summary_.chi2_final = start.evaluation.chi2;
       iterate(std::move(start.state), start.evaluation.chi2);
@@ -59,9 +65,38 @@ class Solve {
   }
 
  private:
+  /// The state to begin with. Under graduation it follows what can be trusted, and is
+  /// judged by all the rest, too.
+  Start begin() {
+    State state;
+    Evaluation given = linearizer_.begin(values_, state);
+    if (given.ok()) given = linearizer_.evaluate(state);
+    summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
+    if (graduated_ == nullptr) {
+      return chooseStart({problem_, linearizer_, pool_, registry_, options_}, std::move(state),
+                         given);
+    }
+    graduated_->trustOnly();
+    const auto cost = [this](const State& at) {
+      return graduated_->truncatedCost(linearizer_, at);
+    };
+    if (given.ok()) given = cost(state);
+    return chooseStart({problem_, linearizer_, pool_, registry_, options_, cost}, std::move(state),
+                       given);
+  }
+
   void finish(Status status, std::string reason) {
     summary_.status = status;
     summary_.reason = std::move(reason);
+  }
+
+  /// An evaluation or a step that failed: of itself, or because of an interrupt.
+  void fail(const std::string& reason) {
+    if (isInterrupted()) return finish(Status::kInterrupted, "interrupted");
+    finish(Status::kFailed, reason);
+  }
+  bool isInterrupted() const {
+    return options_.interrupt != nullptr && options_.interrupt->load() != 0;
   }
 
   void iterate(State state, double chi2) {
@@ -75,6 +110,7 @@ class Solve {
     }
     std::optional<SolveContext> made;
     try {
+      if (!graduate(state, chi2)) return;
       made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
     } catch (const Error& error) {
       if (error.code() != ExitCode::kNoResult) throw;
@@ -85,12 +121,28 @@ class Solve {
     summary_.ordering = solver_.ordering();
     summary_.factor_flops = solver_.flops();
     summary_.factor_bytes = solver_.bytes();
+    context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
     summary_.associations_changed = context.associationsChanged();
     summary_.chi2_final = context.chi2();
-    linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
+    if (!isInterrupted()) linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
     if (summary_.status != Status::kFailed) values_ = context.state().values;
+  }
+
+  /// Switches off the edges that contradict the others, if that is wanted. False if the
+  /// solve has ended with that.
+  bool graduate(State& state, double& chi2) {
+    if (graduated_ == nullptr) return true;
+    const auto must_stop = [this] {
+      return (options_.interrupt != nullptr && options_.interrupt->load() != 0) ||
+             (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit);
+    };
+    const Evaluation evaluation = graduated_->run(
+        {linearizer_, solver_, memory_, pool_, summary_.seconds_by_phase, must_stop}, state);
+    chi2 = evaluation.chi2;
+    if (!evaluation.ok()) finish(Status::kFailed, evaluation.failure);
+    return evaluation.ok();
   }
 
   void record(IterationRecord record, double chi2) {
@@ -104,7 +156,7 @@ class Solve {
     const IterationRecord& last = summary_.iterations.back();
     if (options_.callback && !options_.callback(last, context.state().values)) {
       finish(Status::kInterrupted, "the callback asked to stop");
-    } else if (options_.interrupt != nullptr && options_.interrupt->load() != 0) {
+    } else if (isInterrupted()) {
       finish(Status::kInterrupted, "interrupted");
     } else if (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit) {
       finish(Status::kTimeLimit,
@@ -125,7 +177,7 @@ class Solve {
       if (mustStop(context)) return;
       if (!linearized) {
         const Evaluation evaluation = context.linearize();
-        if (!evaluation.ok()) return finish(Status::kFailed, evaluation.failure);
+        if (!evaluation.ok()) return fail(evaluation.failure);
         linearized = true;
       }
       IterationRecord entry;
@@ -151,9 +203,9 @@ class Solve {
       entry.associations_changed = context.associationsChanged() - changed;
       record(entry, context.chi2());
       if (result.kind == StepResult::Kind::kFailed) {
-        return finish(Status::kFailed,
-                      "iteration " + std::to_string(iteration) + ": " + result.reason);
+        return fail("iteration " + std::to_string(iteration) + ": " + result.reason);
       }
+      if (!entry.accepted && isInterrupted()) return fail(result.reason);
       if (result.kind == StepResult::Kind::kStuck) return finishStuck(result, moved);
       if (!entry.accepted) continue;
       moved = true;
@@ -192,6 +244,7 @@ class Solve {
   PatternMemory& memory_;
   Linearizer linearizer_;
   Summary summary_;
+  std::unique_ptr<Graduated> graduated_;
 };
 
 }  // namespace
@@ -230,10 +283,10 @@ Summary optimize(const Graph& graph, Values& values, Registry& registry,
   return Optimizer(registry, options).solve(graph, values);
 }
 
-double evaluateChi2(const Graph& graph, const Values& values,
-                    std::map<std::string, double>* by_tag) {
+double evaluateChi2(const Graph& graph, const Values& values, std::map<std::string, double>* by_tag,
+                    std::int32_t level) {
   ThreadPool pool(1);
-  const Problem problem(graph, InformationPolicy::kProject);
+  const Problem problem(graph, InformationPolicy::kProject, level);
   const Linearizer linearizer(problem, pool);
   State state;
   Evaluation evaluation = linearizer.begin(values, state);

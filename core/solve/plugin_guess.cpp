@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/solve/edge_batch.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -49,7 +50,9 @@ class GuessView {
     PluginGuessResult result;
     graft_message message = {};
     const Values before = state_.values;
-    if (type.guess(&view_, &message) != GRAFT_OK) {
+    const int status = callPlugin(Callback::kGuess, type.name, message,
+                                  [&] { return type.guess(&view_, &message); });
+    if (status != GRAFT_OK) {
       result.failure = message.text[0] != '\0' ? message.text : "it gives no reason";
       return result;
     }
@@ -103,7 +106,9 @@ class GuessView {
     if (placed_[i] == 0) return;
     if (held_[i] != 0) refuse("is held, but was marked as placed");
     graft_message message = {};
-    if (types_[i]->normalize(estimate, &message) != GRAFT_OK) {
+    const int status = callPlugin(Callback::kNormalize, types_[i]->tag, message,
+                                  [&] { return types_[i]->normalize(estimate, &message); });
+    if (status != GRAFT_OK) {
       refuse("got numbers that are no estimate: " + std::string(message.text));
     }
     if (!std::all_of(estimate, estimate + types_[i]->ambient_dim,

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/plugin_call.hpp"
+
 namespace graft {
 
 namespace {
@@ -94,8 +96,10 @@ bool SolveContext::evaluateTrial() {
     const std::vector<VertexRef>& free = problem_->freeVertices();
     for (std::size_t i = 0; i < free.size(); ++i) {
       const graft_vertex_type& type = problem_->graph().type(free[i]);
-      type.plus(1, state_.values.at(free[i]), step_.data() + problem_->offsets()[i],
-                trial_.values.at(free[i]));
+      callPlugin(Callback::kPlus, type.tag, [&] {
+        type.plus(1, state_.values.at(free[i]), step_.data() + problem_->offsets()[i],
+                  trial_.values.at(free[i]));
+      });
       // An estimate that is not finite makes an edge fail below, if it is used.
     }
   }

@@ -32,6 +32,8 @@ class SolveContext {
                ThreadPool& pool, std::map<std::string, double>& seconds);
 
   /// Takes over a state whose chi2 is known.
+  /// See Linearizer::setInterrupt().
+  void setInterrupt(const std::atomic<int>* interrupt) { linearizer_.setInterrupt(interrupt); }
   void start(State state, double chi2);
   /// Forms the linear model at the state.
   Evaluation linearize();

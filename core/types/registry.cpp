@@ -2,6 +2,9 @@
 #include "core/types/registry.hpp"
 
 #include <algorithm>
+#include <cstdio>
+
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -265,6 +268,29 @@ std::string Registry::advice(const Provided& wanted) const {
   }
   if (!nearest.empty()) text += " (did you mean " + nearest + "?)";
   return text;
+}
+
+bool edgeShape(const graft_edge_type& type, int arity, int& error_dim, int& measurement_dim,
+               graft_message& message) {
+  const auto fail = [&message](const std::string& text) {
+    std::snprintf(message.text, sizeof message.text, "%s", text.c_str());
+    return false;
+  };
+  if (arity <= 0) return fail("needs vertices");
+  error_dim = type.error_dim;
+  measurement_dim = type.measurement_dim;
+  if (type.arity != GRAFT_DYNAMIC) return true;
+  std::int32_t errors = 0;
+  std::int32_t measurements = 0;
+  const auto shape = [&] { return type.shape(arity, &errors, &measurements, &message); };
+  if (callPlugin(Callback::kShape, type.tag, message, shape) != GRAFT_OK) return false;
+  if (!isDim(errors) || measurements < 0 || measurements > kMaximumDim) {
+    return fail("its shape() says " + std::to_string(errors) + " errors, " +
+                std::to_string(measurements) + " measured numbers" + ofPlugin(type.tag));
+  }
+  error_dim = errors;
+  measurement_dim = measurements;
+  return true;
 }
 
 std::size_t editDistance(const std::string& a, const std::string& b) {

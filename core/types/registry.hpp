@@ -96,6 +96,11 @@ inline const char* slotType(const graft_edge_type& type, int k) {
   return type.slot_types[further ? type.dynamic_slots - 1 : k];
 }
 
+/// Dimensions of an edge type over `arity` vertices; false with a text where it has none,
+/// or its shape() says what cannot be.
+bool edgeShape(const graft_edge_type& type, int arity, int& error_dim, int& measurement_dim,
+               graft_message& message);
+
 /// Levenshtein distance, for "did you mean".
 std::size_t editDistance(const std::string& a, const std::string& b);
 
