@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -107,11 +108,19 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
-    if (!graduate(state, chi2)) return;
-    SolveContext context(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    std::optional<SolveContext> made;
+    try {
+      if (!graduate(state, chi2)) return;
+      made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kNoResult) throw;
+      return finish(Status::kFailed, error.what());  // it would not fit into memory
+    }
+    SolveContext& context = *made;
     summary_.symbolic_reuse = context.symbolicReuse();
     summary_.ordering = solver_.ordering();
     summary_.factor_flops = solver_.flops();
+    summary_.factor_bytes = solver_.bytes();
     context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
