@@ -111,7 +111,8 @@ std::string formatCovariances(const Graph& graph, const Values& values,
     for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
       for (Eigen::Index c = r; c < covariance.cols(); ++c) {
         out += ' ';
-        appendDouble(out, covariance(r, c));
+        // No -0.
+        appendDouble(out, covariance(r, c) + 0.0);
       }
     }
     out += '\n';

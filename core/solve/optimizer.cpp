@@ -141,8 +141,15 @@ class Solve {
     const Evaluation evaluation = graduated_->run(
         {linearizer_, solver_, memory_, pool_, summary_.seconds_by_phase, must_stop}, state);
     chi2 = evaluation.chi2;
-    if (!evaluation.ok()) finish(Status::kFailed, evaluation.failure);
-    return evaluation.ok();
+    if (evaluation.ok()) return true;
+    fail(evaluation.failure);
+    if (!isInterrupted()) return false;
+    // What there is so far, weights in between included, is the best there is.
+    linearizer_.setInterrupt(nullptr);
+    const Evaluation reached = linearizer_.evaluate(state, &summary_.chi2_by_tag);
+    summary_.chi2_final = reached.chi2;
+    if (reached.ok()) values_ = state.values;
+    return false;
   }
 
   void record(IterationRecord record, double chi2) {
