@@ -26,6 +26,7 @@ struct OptimizeOptions {
   std::string json;
   std::string covariance;
   std::string kernel;
+  std::string guess = "auto";
   std::string threads = "all";
   double kernel_width = 1.0;
   SolveOptions solve;
@@ -75,6 +76,28 @@ void requireSolver(Engine& engine, const std::string& name) {
   throw Error(ExitCode::kUsage, "unknown linear solver " + graft::quoted(name) + known);
 }
 
+/// Sets the guess by its name, built in or of a plugin.
+void setGuess(Engine& engine, const std::string& name, SolveOptions& options) {
+  const std::map<std::string, InitialGuess> built_in = {
+      {"auto", InitialGuess::kAuto},
+      {"file", InitialGuess::kFile},
+      {"spanning-tree", InitialGuess::kSpanningTree},
+      {"chordal", InitialGuess::kChordal}};
+  const auto found = built_in.find(name);
+  if (found != built_in.end()) {
+    options.initial_guess = found->second;
+    return;
+  }
+  if (engine.registry().guess(name) == nullptr) {
+    std::string known = knownNames(engine, Kind::kGuess);
+    known = known.empty() ? ")" : ", " + known.substr(9);
+    throw Error(ExitCode::kUsage, "unknown initial guess " + graft::quoted(name) +
+                                      " (known: auto, file, spanning-tree, chordal" + known);
+  }
+  options.initial_guess = InitialGuess::kPlugin;
+  options.guess_name = name;
+}
+
 Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
   const Watchdog watchdog(options.time_limit);
   ProgressBar bar("optimize", options.iterations);
@@ -117,13 +140,14 @@ ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
   if (options.engine.information == "project") {
     solve_options.information = InformationPolicy::kProject;
   }
-  const std::string invalid = solve_options.validate();
-  if (!invalid.empty()) throw Error(ExitCode::kUsage, invalid);
   for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
     if (!path->empty() && *path != "-") checkWritable(*path);
   }
   const auto engine = makeEngine(options.engine);
   requireSolver(*engine, solve_options.linear_solver);
+  setGuess(*engine, options.guess, solve_options);
+  const std::string invalid = solve_options.validate();
+  if (!invalid.empty()) throw Error(ExitCode::kUsage, invalid);
   const graft_kernel_type* kernel = requireKernel(*engine, options.kernel);
 
   RunTimes times;
@@ -195,19 +219,14 @@ void addOptimize(Program& program, Clock::time_point start) {
       ->needs(kernel)
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  const std::map<std::string, InitialGuess> guesses = {
-      {"auto", InitialGuess::kAuto},
-      {"file", InitialGuess::kFile},
-      {"spanning-tree", InitialGuess::kSpanningTree},
-      {"chordal", InitialGuess::kChordal}};
   command
-      ->add_option("--initial-guess", solve.initial_guess,
+      ->add_option("--initial-guess", options->guess,
                    "file, spanning-tree, chordal (rotations as free matrices by least squares, "
-                   "projected, then translations), or auto (default): the lowest initial chi2 "
-                   "wins; chordal takes part where the others' is above 10 per measured number and "
-                   "rotations are measured around loops")
+                   "projected, then translations), a plugin's guess (see 'graft types'), or auto: "
+                   "the lowest initial chi2 wins; chordal takes part where the others' is above 10 "
+                   "per measured number and rotations are measured around loops")
       ->type_name("NAME")
-      ->transform(CLI::CheckedTransformer(guesses).description(""));
+      ->capture_default_str();
   options->engine.addLoadOptions(*command);
   command->add_option("--time-limit", solve.time_limit, "Stop after this many seconds, 0 = never")
       ->check(CLI::NonNegativeNumber)

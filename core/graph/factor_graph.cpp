@@ -44,9 +44,9 @@ void FactorGraph::addVertex(const std::string& tag, std::int64_t id, std::vector
   graph_.addVertex(type, id, estimate.empty() ? nullptr : estimate.data(), values_);
 }
 
-void FactorGraph::addEdge(const std::string& tag, const std::vector<std::int64_t>& vertices,
-                          std::vector<double> measurement, std::vector<double> information,
-                          const std::vector<std::int64_t>& resources) {
+EdgeId FactorGraph::addEdge(const std::string& tag, const std::vector<std::int64_t>& vertices,
+                            std::vector<double> measurement, std::vector<double> information,
+                            const std::vector<std::int64_t>& resources) {
   Graph::EdgeSpec spec;
   spec.type = &require(registry_.edge(tag), registry_, {Kind::kEdge, tag});
   for (const std::int64_t id : vertices) spec.vertices.push_back(at(id));
@@ -57,7 +57,7 @@ void FactorGraph::addEdge(const std::string& tag, const std::vector<std::int64_t
   }
   spec.measurement = std::move(measurement);
   spec.information = std::move(information);
-  graph_.addEdge(std::move(spec));
+  return graph_.addEdge(std::move(spec));
 }
 
 void FactorGraph::addResource(const std::string& tag, std::int64_t id,

@@ -144,7 +144,7 @@ void Graph::checkEdge(EdgeSpec& spec, int& error_dim) const {
   requireFinite(spec.information.data(), spec.information.size(), type.tag);
 }
 
-void Graph::addEdge(EdgeSpec spec) {
+EdgeId Graph::addEdge(EdgeSpec spec) {
   int error_dim = 0;
   checkEdge(spec, error_dim);
   EdgeBlock& block = edgeBlockOf(*spec.type);
@@ -160,6 +160,8 @@ void Graph::addEdge(EdgeSpec spec) {
   block.resources.insert(block.resources.end(), spec.resources.begin(), spec.resources.end());
   block.kernels.push_back(spec.kernel);
   block.lines.push_back(spec.line);
+  block.ids.push_back(next_edge_);
+  return next_edge_++;
 }
 
 std::int32_t Graph::addResource(const graft_resource_type& type, std::int64_t id,

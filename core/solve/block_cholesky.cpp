@@ -16,8 +16,9 @@ constexpr double kFlopsWorthSharing = 4e6;
 
 }  // namespace
 
-void BlockCholesky::analyze(const graft_block_pattern& pattern) {
-  symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1);
+void BlockCholesky::analyze(const graft_block_pattern& pattern,
+                            const std::vector<std::int32_t>& order) {
+  symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1, order);
   dims_.assign(pattern.dims, pattern.dims + pattern.block_count);
   offsets_.assign(1, 0);
   for (const std::int32_t dim : dims_) offsets_.push_back(offsets_.back() + dim);
@@ -143,7 +144,8 @@ void BlockCholesky::assembleMatrix(std::size_t index, const double* values, cons
 void BlockCholesky::assembleColumns(const Supernode& s, const Supernode& child) {
   double* strips = factor_.data() + s.factor_offset;
   const double* update = updates_.data() + child.update_offset;
-  thread_local std::vector<std::int64_t> places;
+  static PerThread<std::vector<std::int64_t>> all_places;
+  std::vector<std::int64_t>& places = all_places.get();
   places.resize(std::size_t(child.rows));
   for (int i = 0; i < child.rows; ++i) {
     places[std::size_t(i)] = s.stripOffset(child.in_parent[std::size_t(i)]);

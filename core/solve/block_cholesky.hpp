@@ -20,8 +20,8 @@ class BlockCholesky {
   explicit BlockCholesky(ThreadPool* pool = nullptr, const FrontKernels& kernels = frontKernels())
       : pool_(pool), kernels_(&kernels) {}
 
-  /// Symbolic work, once per pattern.
-  void analyze(const graft_block_pattern& pattern);
+  /// Symbolic work, once per pattern. `order`: as in analyzePattern().
+  void analyze(const graft_block_pattern& pattern, const std::vector<std::int32_t>& order = {});
   /// Factors A + diag(damping) (damping may be null). Returns -1, or the block
   /// whose pivot is not positive (beyond rounding) or not finite.
   std::int32_t factorize(const double* values, const double* damping);

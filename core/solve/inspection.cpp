@@ -5,9 +5,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "core/base/error.hpp"
+#include "core/base/text.hpp"
 #include "core/solve/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/solve/normal_equations.hpp"
@@ -125,11 +127,13 @@ Eigen::MatrixXd product(const graft_block_pattern& p, const std::vector<double>&
   return out;
 }
 
+/// Below this, of the largest entry, a vertex's own block resists nothing.
+constexpr double kOwn = 1e-13;
+
 /// What a vertex's own block of A = J'J leaves free: no edge of the vertex resists
 /// it, whatever else moves. Closes those directions in `values`.
 void closeOwnDirections(const Problem& problem, const NormalEquations& equations,
                         std::vector<double>& values, std::vector<FreeDirection>& found) {
-  constexpr double kOwn = 1e-13;
   const graft_block_pattern& pattern = equations.pattern();
   double largest = 0;
   for (const double entry : equations.diagonal()) largest = std::max(largest, entry);
@@ -295,6 +299,70 @@ std::vector<FreeDirection> findFreeDirections(const Problem& problem, const Valu
       directions.begin() + std::ptrdiff_t(own), directions.end(),
       [](const FreeDirection& a, const FreeDirection& b) { return a.share > b.share + 1e-9; });
   return directions;
+}
+
+std::string describe(const Problem& problem, const FreeDirection& free) {
+  const graft_vertex_type& type = problem.graph().type(free.vertex);
+  std::vector<std::string> names;
+  LineTokens fields(type.fields == nullptr ? "" : type.fields);
+  for (std::string_view name = fields.next(); !name.empty(); name = fields.next()) {
+    names.emplace_back(name);
+  }
+  std::string text;
+  for (Eigen::Index i = 0; i < free.direction.size(); ++i) {
+    if (std::abs(free.direction[i]) < 1e-3) continue;
+    char part[64];
+    const bool named = type.ambient_dim == type.tangent_dim && names.size() > std::size_t(i);
+    const std::string name = named ? names[std::size_t(i)] : "tangent " + std::to_string(i + 1);
+    std::snprintf(part, sizeof part, "%s%.3g %s", text.empty() ? "" : ", ", free.direction[i],
+                  name.c_str());
+    text += part;
+  }
+  return problem.describeVertex(free.vertex) + " is free along (" + text + ")" +
+         (free.share > 0.9 ? "" : ", together with others");
+}
+
+std::vector<std::string> describeFreeDirections(const Problem& problem, const Values& values,
+                                                std::size_t limit) {
+  std::vector<std::string> texts;
+  std::vector<FreeDirection> directions;
+  try {
+    directions = findFreeDirections(problem, values);
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::kNoResult) throw;
+  }
+  for (const FreeDirection& free : directions) {
+    if (texts.size() == limit) {
+      texts.push_back("... and " + std::to_string(directions.size() - limit) +
+                      " more free directions");
+      break;
+    }
+    texts.push_back(describe(problem, free));
+  }
+  return texts;
+}
+
+bool hasOpenBlock(const NormalEquations& equations) {
+  const graft_block_pattern& pattern = equations.pattern();
+  std::vector<double> lower;
+  for (std::int32_t c = 0; c < pattern.block_count; ++c) {
+    const int dim = pattern.dims[c];
+    const double* block = equations.hessian().data() + pattern.offsets[pattern.columns[c]];
+    lower.assign(block, block + dim * dim);
+    double scale = 0;
+    for (int i = 0; i < dim; ++i) scale = std::max(scale, lower[std::size_t(i * dim + i)]);
+    // Cholesky by columns; a pivot that vanishes leaves a direction open.
+    for (int j = 0; j < dim; ++j) {
+      double* column = lower.data() + j * dim;
+      if (!(column[j] > kOwn * scale)) return true;
+      const double root = std::sqrt(column[j]);
+      for (int i = j; i < dim; ++i) column[i] /= root;
+      for (int k = j + 1; k < dim; ++k) {
+        for (int i = k; i < dim; ++i) lower[std::size_t(k * dim + i)] -= column[i] * column[k];
+      }
+    }
+  }
+  return false;
 }
 
 }  // namespace graft

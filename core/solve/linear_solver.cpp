@@ -12,7 +12,10 @@ namespace {
 class BuiltIn : public LinearSolver {
  public:
   explicit BuiltIn(ThreadPool& pool) : cholesky_(&pool) {}
-  void analyze(const graft_block_pattern& pattern) override { cholesky_.analyze(pattern); }
+  void analyze(const graft_block_pattern& pattern,
+               const std::vector<std::int32_t>& order) override {
+    cholesky_.analyze(pattern, order);
+  }
   LinearOutcome factorize(const double* values, const double* damping) override {
     LinearOutcome outcome;
     outcome.failed_block = cholesky_.factorize(values, damping);
@@ -25,6 +28,9 @@ class BuiltIn : public LinearSolver {
   }
   std::string ordering() const override { return cholesky_.symbolic().ordering.name; }
   double flops() const override { return cholesky_.symbolic().ordering.flops; }
+  const std::vector<std::int32_t>* order() const override {
+    return &cholesky_.symbolic().ordering.order;
+  }
 
  private:
   BlockCholesky cholesky_;
@@ -48,7 +54,7 @@ class Plugged : public LinearSolver {
   Plugged(const Plugged&) = delete;
   Plugged& operator=(const Plugged&) = delete;
 
-  void analyze(const graft_block_pattern& pattern) override {
+  void analyze(const graft_block_pattern& pattern, const std::vector<std::int32_t>&) override {
     block_count_ = pattern.block_count;
     graft_message message = {};
     const int status = callPlugin(Callback::kSolver, type_.name, message,

@@ -7,8 +7,8 @@
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
-#include "core/solve/initial_guess.hpp"
-#include "core/solve/relaxation.hpp"
+#include "core/solve/inspection.hpp"
+#include "core/solve/start.hpp"
 #include "core/solve/step_strategy.hpp"
 
 namespace graft {
@@ -19,14 +19,18 @@ namespace {
 /// before that counts as convergence.
 constexpr int kSmallChanges = 3;
 
+/// One solve with a session's solver.
 class Solve {
  public:
-  Solve(const Graph& graph, Values& values, Registry& registry, const SolveOptions& options)
-      : options_(options),
+  Solve(const Graph& graph, Values& values, Registry& registry, const SolveOptions& options,
+        ThreadPool& pool, LinearSolver& solver, PatternMemory& memory)
+      : registry_(registry),
+        options_(options),
         values_(values),
-        pool_(options.threads),
+        pool_(pool),
         problem_(graph, options.information),
-        solver_(LinearSolver::create(options.linear_solver, registry, pool_)),
+        solver_(solver),
+        memory_(memory),
         linearizer_(problem_, pool_) {
     linearizer_.setInterrupt(options.interrupt);
     summary_.threads = pool_.threads();
@@ -39,16 +43,19 @@ class Solve {
   }
 
   Summary run() {
-    State state;
-    Evaluation start = chooseStart(state);
+    Start start = chooseStart(problem_, linearizer_, pool_, registry_, options_, values_);
+    summary_.start = start.kind;
+    summary_.start_name = start.name;
+    summary_.chi2_initial = start.chi2_given;
+    summary_.notes.insert(summary_.notes.end(), start.notes.begin(), start.notes.end());
     summary_.seconds_guess = watch_.seconds();
     const Stopwatch solving;
-    if (!start.ok()) {
+    if (!start.evaluation.ok()) {
       summary_.chi2_start = summary_.chi2_final = std::numeric_limits<double>::quiet_NaN();
-      fail(start.failure);
+      fail(start.evaluation.failure);
     } else {
-      summary_.chi2_start = summary_.chi2_final = start.chi2;
-      iterate(std::move(state), start.chi2);
+      summary_.chi2_start = summary_.chi2_final = start.evaluation.chi2;
+      iterate(std::move(start.state), start.evaluation.chi2);
     }
     summary_.seconds_solve = solving.seconds();
     return std::move(summary_);
@@ -69,106 +76,6 @@ class Solve {
     return options_.interrupt != nullptr && options_.interrupt->load() != 0;
   }
 
-  Evaluation evaluateAt(const Values& values, State& state) const {
-    Evaluation evaluation = linearizer_.begin(values, state);
-    return evaluation.ok() ? linearizer_.evaluate(state) : evaluation;
-  }
-
-  /// A state to begin with.
-  struct Guess {
-    State state;
-    Evaluation evaluation;
-    std::int64_t placed = 0;
-    std::int64_t unplaced = 0;
-  };
-
-  /// The state that the iterations begin with, and its chi2.
-  Evaluation chooseStart(State& state) {
-    Evaluation given = evaluateAt(values_, state);
-    summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
-    const InitialGuess wanted = options_.initial_guess;
-    if (wanted == InitialGuess::kFile) return given;
-    if (state.associations.empty()) return given;
-    if (wanted == InitialGuess::kChordal) {
-      Guess guess = relax(state, true);
-      return begin(StartKind::kChordal, std::move(guess), state);
-    }
-    Guess tree = spread(state);
-    if (wanted == InitialGuess::kSpanningTree) {
-      return tree.placed == 0 ? given : begin(StartKind::kSpanningTree, std::move(tree), state);
-    }
-    const bool tree_wins = tree.placed > 0 && isLower(tree.evaluation, given);
-    const Evaluation& best = tree_wins ? tree.evaluation : given;
-    if (isPoor(best)) {
-      Guess chordal = relax(state, false);
-      if (chordal.placed > 0 && isLower(chordal.evaluation, best)) {
-        noteUnusable(given, "the chordal relaxation");
-        return begin(StartKind::kChordal, std::move(chordal), state);
-      }
-    }
-    if (!tree_wins) return given;
-    noteUnusable(given, "a spanning tree");
-    return begin(StartKind::kSpanningTree, std::move(tree), state);
-  }
-
-  static bool isLower(const Evaluation& a, const Evaluation& b) {
-    return a.ok() && (!b.ok() || a.chi2 < b.chi2);
-  }
-
-  /// Whether a start is so far from what noise explains that a relaxation, which
-  /// costs about as much as an iteration, is worth a try.
-  bool isPoor(const Evaluation& evaluation) const {
-    constexpr double kPoor = 10;
-    double errors = 0;
-    for (const EdgeGroup& group : problem_.groups()) {
-      errors += double(group.count) * group.error_dim;
-    }
-    return !evaluation.ok() || evaluation.chi2 > kPoor * errors;
-  }
-
-  Guess spread(const State& state, const std::vector<VertexRef>& placed = {}) const {
-    SpreadResult result = spreadEstimates(problem_, state, placed);
-    Guess guess;
-    guess.placed = result.placed;
-    guess.unplaced = result.unplaced;
-    if (guess.placed > 0 || !placed.empty()) {
-      guess.evaluation = evaluateAt(result.values, guess.state);
-    }
-    return guess;
-  }
-
-  /// The relaxation, and a spanning tree for what it leaves. Without one, or with one
-  /// that says no more than a tree: throws if it is required, else the guess has no
-  /// vertex placed.
-  Guess relax(const State& state, bool required) {
-    RelaxResult result = relaxEstimates(problem_, state, pool_, !required);
-    if (!result.failure.empty()) {
-      if (!required) return {};
-      throw Error(ExitCode::kNoResult, "there is no chordal initial guess: " + result.failure);
-    }
-    State relaxed = state;
-    relaxed.values = std::move(result.values);
-    Guess guess = spread(relaxed, result.placed);
-    guess.placed += std::int64_t(result.placed.size());
-    return guess;
-  }
-
-  void noteUnusable(const Evaluation& given, const char* start) {
-    if (given.ok()) return;
-    summary_.notes.push_back("began with " + std::string(start) + ", because " + given.failure);
-  }
-
-  Evaluation begin(StartKind kind, Guess guess, State& state) {
-    if (guess.unplaced > 0) {
-      summary_.notes.push_back("no edge of the spanning tree could place " +
-                               std::to_string(guess.unplaced) +
-                               " vertices; they begin where they were");
-    }
-    summary_.start = kind;
-    state = std::move(guess.state);
-    return guess.evaluation;
-  }
-
   void iterate(State state, double chi2) {
     if (problem_.freeVertices().empty()) {
       linearizer_.evaluate(state, &summary_.chi2_by_tag);
@@ -178,16 +85,27 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
-    SolveContext context(problem_, *solver_, pool_, summary_.seconds_by_phase);
-    summary_.ordering = solver_->ordering();
-    summary_.factor_flops = solver_->flops();
+    SolveContext context(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    summary_.symbolic_reuse = context.symbolicReuse();
+    summary_.ordering = solver_.ordering();
+    summary_.factor_flops = solver_.flops();
     context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
+    noteFreeDirections(context);
     summary_.associations_changed = context.associationsChanged();
     summary_.chi2_final = context.chi2();
     if (!isInterrupted()) linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
     if (summary_.status != Status::kFailed) values_ = context.state().values;
+  }
+
+  /// Names what the edges leave open: damping hides it, undamped systems fail by it.
+  void noteFreeDirections(const SolveContext& context) {
+    const bool failed = summary_.status == Status::kFailed;
+    if (isInterrupted() || (!failed && !hasOpenBlock(context.equations()))) return;
+    std::vector<std::string> texts = describeFreeDirections(problem_, context.state().values);
+    if (failed && !texts.empty()) summary_.reason += " (" + texts.front() + ")";
+    for (std::string& text : texts) summary_.notes.push_back("no edge determines this: " + text);
   }
 
   void record(IterationRecord record, double chi2) {
@@ -279,23 +197,52 @@ class Solve {
     finish(Status::kFailed, result.reason + ": is the Jacobian of an edge type wrong?");
   }
 
+  Registry& registry_;
   const SolveOptions& options_;
   Values& values_;
   Stopwatch watch_;
-  ThreadPool pool_;
+  ThreadPool& pool_;
   Problem problem_;
-  std::unique_ptr<LinearSolver> solver_;
+  LinearSolver& solver_;
+  PatternMemory& memory_;
   Linearizer linearizer_;
   Summary summary_;
 };
 
 }  // namespace
 
-Summary optimize(const Graph& graph, Values& values, Registry& registry,
-                 const SolveOptions& options) {
+struct Optimizer::Session {
+  Session(Registry& types, SolveOptions given)
+      : registry(types),
+        options(std::move(given)),
+        pool(options.threads),
+        solver(LinearSolver::create(options.linear_solver, registry, pool)) {}
+
+  Registry& registry;
+  SolveOptions options;
+  ThreadPool pool;
+  std::unique_ptr<LinearSolver> solver;
+  PatternMemory memory;
+};
+
+Optimizer::Optimizer(Registry& registry, SolveOptions options) {
   const std::string defect = options.validate();
   if (!defect.empty()) throw Error(ExitCode::kUsage, defect);
-  return Solve(graph, values, registry, options).run();
+  session_ = std::make_unique<Session>(registry, std::move(options));
+}
+
+Optimizer::~Optimizer() = default;
+Optimizer::Optimizer(Optimizer&&) noexcept = default;
+Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
+
+Summary Optimizer::solve(const Graph& graph, Values& values) {
+  Session& s = *session_;
+  return Solve(graph, values, s.registry, s.options, s.pool, *s.solver, s.memory).run();
+}
+
+Summary optimize(const Graph& graph, Values& values, Registry& registry,
+                 const SolveOptions& options) {
+  return Optimizer(registry, options).solve(graph, values);
 }
 
 double evaluateChi2(const Graph& graph, const Values& values,

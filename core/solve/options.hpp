@@ -11,7 +11,7 @@
 namespace graft {
 
 enum class Algorithm { kLevenbergMarquardt, kGaussNewton, kDogleg };
-enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal };
+enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal, kPlugin };
 
 /// One line of the log: what an iteration did.
 struct IterationRecord {
@@ -30,6 +30,7 @@ struct IterationRecord {
 struct SolveOptions {
   Algorithm algorithm = Algorithm::kLevenbergMarquardt;
   InitialGuess initial_guess = InitialGuess::kAuto;
+  std::string guess_name;  ///< for InitialGuess::kPlugin: which guess of the registry
   InformationPolicy information = InformationPolicy::kError;
   std::string linear_solver = "block";
   int iterations = 100;

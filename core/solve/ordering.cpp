@@ -130,6 +130,14 @@ double predictFlops(const BlockGraph& graph, const std::vector<std::int32_t>& or
   return flops;
 }
 
+Ordering keepOrdering(const BlockGraph& graph, std::vector<std::int32_t> order) {
+  Ordering kept;
+  kept.name = "kept";
+  kept.flops = predictFlops(graph, order);
+  kept.order = std::move(order);
+  return kept;
+}
+
 Ordering chooseOrdering(const BlockGraph& graph) {
   Ordering best;
   if (graph.neighbours.empty()) {

@@ -21,7 +21,7 @@ struct BlockGraph {
 
 /// An elimination order and what it leads to.
 struct Ordering {
-  std::string name;                 ///< "natural", "amd" or "metis"
+  std::string name;                 ///< "natural", "amd", "metis" or "kept"
   std::vector<std::int32_t> order;  ///< position -> block
   double flops = 0;                 ///< of one factorisation, multiplications and additions
 };
@@ -30,6 +30,9 @@ struct Ordering {
 /// (Amestoy, Davis, Duff 1996) and, where the factorisation costs enough that it
 /// can pay, nested dissection (Karypis, Kumar 1998), both on the block graph.
 Ordering chooseOrdering(const BlockGraph& graph);
+
+/// A given order, judged.
+Ordering keepOrdering(const BlockGraph& graph, std::vector<std::int32_t> order);
 
 /// Parent of every position in the elimination tree of the permuted graph, -1 = root.
 /// Source: Liu, "The role of elimination trees in sparse factorization", 1990.

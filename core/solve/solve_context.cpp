@@ -28,8 +28,8 @@ class PhaseTimer {
 
 }  // namespace
 
-SolveContext::SolveContext(const Problem& problem, LinearSolver& solver, ThreadPool& pool,
-                           std::map<std::string, double>& seconds)
+SolveContext::SolveContext(const Problem& problem, LinearSolver& solver, PatternMemory& memory,
+                           ThreadPool& pool, std::map<std::string, double>& seconds)
     : problem_(&problem),
       solver_(&solver),
       pool_(&pool),
@@ -37,7 +37,7 @@ SolveContext::SolveContext(const Problem& problem, LinearSolver& solver, ThreadP
       linearizer_(problem, pool),
       equations_(problem) {
   const PhaseTimer timer(*seconds_, "analyze");
-  solver_->analyze(equations_.pattern());
+  symbolic_reuse_ = memory.analyze(problem, equations_, solver);
   step_.resize(std::size_t(problem.dim()));
   scale_.resize(std::size_t(problem.dim()));
 }

@@ -17,7 +17,10 @@ enum class Status { kConverged, kIterationLimit, kTimeLimit, kInterrupted, kFail
 const char* statusName(Status status);
 
 /// Where the iterations began: the values given, or a guess.
-enum class StartKind { kGiven, kSpanningTree, kChordal };
+enum class StartKind { kGiven, kSpanningTree, kChordal, kPlugin };
+
+/// What was kept of the symbolic analysis of an earlier solve.
+enum class SymbolicReuse { kNothing, kOrdering, kEverything };
 
 struct Summary {
   Status status = Status::kFailed;
@@ -26,6 +29,7 @@ struct Summary {
   double chi2_start = 0;    ///< after the initial guess
   double chi2_final = 0;
   StartKind start = StartKind::kGiven;      ///< which guess the iterations began with
+  std::string start_name;                   ///< of the guess, if a plugin's
   std::vector<IterationRecord> iterations;  ///< iterations.size() - 1 were made
   std::int64_t associations_changed = 0;
   /// Vertices that were held fixed because their component had no anchor, and
@@ -34,6 +38,7 @@ struct Summary {
   std::string linear_solver;
   std::string ordering;     ///< e.g. "amd" or "metis", by the predicted flops
   double factor_flops = 0;  ///< predicted, one factorisation
+  SymbolicReuse symbolic_reuse = SymbolicReuse::kNothing;
   int threads = 1;
   double seconds_guess = 0;
   double seconds_solve = 0;

@@ -44,8 +44,8 @@ class Analysis {
   Analysis(const graft_block_pattern& pattern, bool parallel)
       : pattern_(pattern), graph_(pattern), parallel_(parallel) {}
 
-  SymbolicFactor run() {
-    result_.ordering = chooseOrdering(graph_);
+  SymbolicFactor run(const std::vector<Index>& order) {
+    result_.ordering = order.empty() ? chooseOrdering(graph_) : keepOrdering(graph_, order);
     orderByTree();
     findRows();
     merge();
@@ -351,8 +351,9 @@ class Analysis {
 
 }  // namespace
 
-SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel) {
-  return Analysis(pattern, parallel).run();
+SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel,
+                              const std::vector<std::int32_t>& order) {
+  return Analysis(pattern, parallel).run(order);
 }
 
 }  // namespace graft

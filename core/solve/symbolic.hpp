@@ -72,7 +72,9 @@ struct SymbolicFactor {
 /// Orders, finds the elimination tree, merges columns into supernodes where the
 /// zeros that come in cost less than what a front of its own costs, and lays out
 /// memory. `parallel`: also finds tasks, if there is enough to do; the factor has
-/// the same bits either way.
-SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel = false);
+/// the same bits either way. `order`, if not empty: the elimination order (position ->
+/// block) to take instead of choosing one.
+SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel = false,
+                              const std::vector<std::int32_t>& order = {});
 
 }  // namespace graft

@@ -26,6 +26,7 @@ enum class Callback : int {
   kRelax,
   kKernel,
   kSolver,        ///< may take long: one call factors a whole system
+  kGuess,         ///< may take long
   kLoadResource,  ///< may take long
   kLoadFile       ///< may take long
 };

@@ -138,6 +138,16 @@ void stageLoader(void* host, const graft_loader_type* type) {
   staging.entries.push_back({{Kind::kLoader, type->name}, type});
 }
 
+void stageGuess(void* host, const graft_guess_type* type) {
+  auto& staging = *static_cast<Staging*>(host);
+  if (!checkHeader(staging, type, type->name)) return;
+  if (!type->guess) staging.defect(type->name, "a callback is null");
+  for (const char* reserved : {"auto", "file", "spanning-tree", "chordal"}) {
+    if (std::string(type->name) == reserved) staging.defect(type->name, "the name is built in");
+  }
+  staging.entries.push_back({{Kind::kGuess, type->name}, type});
+}
+
 }  // namespace
 
 const char* kindName(Kind kind) {
@@ -154,6 +164,8 @@ const char* kindName(Kind kind) {
       return "linear solver";
     case Kind::kLoader:
       return "file loader";
+    case Kind::kGuess:
+      return "initial guess";
   }
   return "type";
 }
@@ -174,6 +186,7 @@ const PluginRecord& Registry::registerPlugin(const std::string& name, const std:
   registrar.add_kernel_type = &stageKernel;
   registrar.add_solver_type = &stageSolver;
   registrar.add_loader_type = &stageLoader;
+  registrar.add_guess_type = &stageGuess;
   graft_message message = {};
   if (entry(&registrar, &message) != GRAFT_OK) {
     fail("the plugin's registration failed: " + std::string(message.text));
@@ -224,6 +237,9 @@ const graft_solver_type* Registry::solver(const std::string& name) {
 }
 const graft_loader_type* Registry::loader(const std::string& name) {
   return static_cast<const graft_loader_type*>(find(Kind::kLoader, name));
+}
+const graft_guess_type* Registry::guess(const std::string& name) {
+  return static_cast<const graft_guess_type*>(find(Kind::kGuess, name));
 }
 
 std::vector<Provided> Registry::provided() const {

@@ -12,7 +12,10 @@
 namespace graft {
 
 /// Kinds of things that plugins provide.
-enum class Kind { kVertex, kEdge, kResource, kKernel, kSolver, kLoader };
+enum class Kind { kVertex, kEdge, kResource, kKernel, kSolver, kLoader, kGuess };
+/// All of them, in this order.
+constexpr Kind kAllKinds[] = {Kind::kVertex, Kind::kEdge,   Kind::kResource, Kind::kKernel,
+                              Kind::kSolver, Kind::kLoader, Kind::kGuess};
 const char* kindName(Kind kind);
 
 /// One thing that a plugin provides: its kind and tag (or name).
@@ -61,6 +64,7 @@ class Registry {
   const graft_kernel_type* kernel(const std::string& name);
   const graft_solver_type* solver(const std::string& name);
   const graft_loader_type* loader(const std::string& name);
+  const graft_guess_type* guess(const std::string& name);
 
   bool has(const Provided& wanted) const { return entries_.count(wanted) > 0; }
   /// What is registered now, sorted by kind and name.

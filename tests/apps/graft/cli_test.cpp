@@ -93,8 +93,11 @@ TEST(Cli, JsonHasExactlyTheseKeys) {
   const auto document = nlohmann::json::parse(result.out);
   std::set<std::string> keys;
   for (const auto& item : document.items()) keys.insert(item.key());
-  EXPECT_EQ(keys, (std::set<std::string>{"status", "reason", "iterations", "chi2_initial",
-                                         "chi2_final", "vertices", "edges", "threads", "seconds"}));
+  EXPECT_EQ(keys,
+            (std::set<std::string>{"status", "reason", "iterations", "chi2_initial", "chi2_final",
+                                   "vertices", "edges", "threads", "seconds", "start", "chi2_start",
+                                   "chi2_by_tag", "linear_solver", "ordering", "factor_flops",
+                                   "associations_changed", "notes", "phases", "log"}));
   keys.clear();
   for (const auto& item : document["seconds"].items()) keys.insert(item.key());
   EXPECT_EQ(keys, (std::set<std::string>{"load", "initial_guess", "solve", "write", "total"}));
@@ -103,6 +106,29 @@ TEST(Cli, JsonHasExactlyTheseKeys) {
   EXPECT_EQ(document["chi2_final"], 0.0);
   EXPECT_EQ(document["vertices"], 2);
   EXPECT_GE(document["seconds"]["total"], document["seconds"]["solve"]);
+}
+
+TEST(Cli, TheLogTellsEveryIterationInJsonAndInTheSummary) {
+  const std::string path = testing::makeTemporaryDirectory() + "/g.g2o";
+  ASSERT_EQ(graft("simulate manhattan --size 60 --seed 3 -o " + path).exit_code, 0);
+  const std::string json = path + ".json";
+  const testing::CommandResult result = graft("optimize " + path + " --json " + json);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto document = nlohmann::json::parse(testing::readTestFile(json));
+  const auto& log = document["log"];
+  ASSERT_EQ(log.size(), document["iterations"].get<std::size_t>() + 1);
+  EXPECT_EQ(log.front()["chi2"], document["chi2_start"]);
+  EXPECT_EQ(log.back()["chi2"], document["chi2_final"]);
+  double chi2 = 0;
+  for (const auto& share : document["chi2_by_tag"]) chi2 += share.get<double>();
+  EXPECT_NEAR(chi2, document["chi2_final"].get<double>(), 1e-9 * chi2);
+  for (std::size_t i = 1; i < log.size(); ++i) {
+    EXPECT_NEAR(log[i - 1]["chi2"].get<double>() - log[i]["chi2"].get<double>(),
+                log[i]["chi2_change"].get<double>(), 1e-9 * log[0]["chi2"].get<double>());
+    EXPECT_GE(log[i]["factorizations"], 1);
+    EXPECT_NE(result.out.find("\n    " + std::to_string(i) + " "), std::string::npos) << result.out;
+  }
+  EXPECT_NE(result.out.find("factorize "), std::string::npos) << result.out;
 }
 
 TEST(Cli, Chi2InitialIsNullWithoutVertices) {

@@ -334,6 +334,24 @@ int loadNothing(const char*, const graft_graph_sink* sink) {
 const graft_loader_type kLoader = {sizeof kLoader, "faulty",    "nothing",
                                    ".faulty",      &recognizes, &loadNothing};
 
+/// Shifts every vertex that it may by (1, 0).
+int guess(const graft_guess_problem* problem, graft_message* message) {
+  static int calls = 0;
+  ++calls;
+  if (fault("guess_silent")) return GRAFT_FAILED;
+  if (problem->vertex_count == 0) return failed(message, "the graph is empty");
+  for (std::int64_t v = 0; v < problem->vertex_count; ++v) {
+    if (problem->held[v] != 0 && !fault("guess_moves_held")) continue;
+    problem->estimates[v][0] += fault("guess_state") ? calls : 1;
+    if (fault("guess_nan")) problem->estimates[v][0] = std::nan("");
+    problem->placed[v] = problem->held[v] != 0 || fault("guess_unmarked") ? 0 : 1;
+  }
+  return GRAFT_OK;
+}
+
+const graft_guess_type kGuess = {sizeof kGuess, "faulty_shift", "everything one to the right",
+                                 &guess};
+
 }  // namespace
 
 #define GRAFT_TEST_EXPORT __attribute__((visibility("default")))
@@ -354,6 +372,7 @@ GRAFT_TEST_EXPORT int graft_plugin_register(const graft_registrar* registrar, gr
   if (!fault("metadata")) registrar->add_kernel_type(host, &kKernel);
   registrar->add_resource_type(host, &kResource);
   registrar->add_loader_type(host, &kLoader);
+  registrar->add_guess_type(host, &kGuess);
   registrar->add_solver_type(host,
                              &graft::testing::denseSolver(std::getenv("GRAFT_TEST_FAULT"), &spoil));
   return GRAFT_OK;
