@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <cstdio>
 #include <map>
 
@@ -9,6 +8,7 @@
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
 #include "apps/graft/optimize_report.hpp"
+#include "apps/graft/robust_options.hpp"
 #include "core/base/file.hpp"
 #include "core/base/text.hpp"
 #include "core/io/g2o_writer.hpp"
@@ -25,10 +25,9 @@ struct OptimizeOptions {
   std::string output;
   std::string json;
   std::string covariance;
-  std::string kernel;
   std::string guess = "auto";
+  RobustOptions robust;
   std::string threads = "all";
-  double kernel_width = 1.0;
   SolveOptions solve;
 };
 
@@ -47,9 +46,6 @@ int threadCount(const std::string& text) {
 }
 
 void refuseContradictions(const OptimizeOptions& options) {
-  if (!(std::isfinite(options.kernel_width) && options.kernel_width > 0)) {
-    throw Error(ExitCode::kUsage, "--kernel-width: expected a positive number");
-  }
   int wanting = 0;
   for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
     if (*path == "-") ++wanting;
@@ -57,16 +53,6 @@ void refuseContradictions(const OptimizeOptions& options) {
   if (wanting > 1) {
     throw Error(ExitCode::kUsage, "only one of -o, --json, --covariance can be - (stdout)");
   }
-}
-
-const graft_kernel_type* requireKernel(Engine& engine, const std::string& name) {
-  if (name.empty()) return nullptr;
-  const graft_kernel_type* kernel = engine.registry().kernel(name);
-  if (kernel == nullptr) {
-    throw Error(ExitCode::kUsage,
-                "unknown robust kernel " + graft::quoted(name) + knownNames(engine, Kind::kKernel));
-  }
-  return kernel;
 }
 
 void requireSolver(Engine& engine, const std::string& name) {
@@ -91,14 +77,14 @@ void setGuess(Engine& engine, const std::string& name, SolveOptions& options) {
   if (engine.registry().guess(name) == nullptr) {
     std::string known = knownNames(engine, Kind::kGuess);
     known = known.empty() ? ")" : ", " + known.substr(9);
-    throw Error(ExitCode::kUsage, "unknown initial guess " + graft::quoted(name) +
+    throw Error(ExitCode::kUsage, "--initial-guess: unknown initial guess " + graft::quoted(name) +
                                       " (known: auto, file, spanning-tree, chordal" + known);
   }
   options.initial_guess = InitialGuess::kPlugin;
   options.guess_name = name;
 }
 
-Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
+Summary solve(const Graph& graph, Values& values, Engine& engine, SolveOptions options) {
   const Watchdog watchdog(options.time_limit);
   ProgressBar bar("optimize", options.iterations);
   options.interrupt = &interruptFlag();
@@ -108,19 +94,19 @@ Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
     bar.update(record.iteration, text);
     return true;
   };
-  return optimize(loaded.graph, loaded.values, engine.registry(), options);
+  return optimize(graph, values, engine.registry(), options);
 }
 
 /// One line a vertex by rising id: tag, id, upper triangle of the covariance in
 /// its tangent, row by row.
-std::string formatCovariances(const LoadedGraph& loaded, Engine& engine) {
-  const std::vector<VertexRef> vertices = loaded.graph.verticesById();
+std::string formatCovariances(const Graph& graph, const Values& values,
+                              const CovarianceOptions& options) {
+  const std::vector<VertexRef> vertices = graph.verticesById();
   const std::vector<Eigen::MatrixXd> covariances =
-      marginalCovariances(loaded.graph, loaded.values, engine.registry(), vertices);
+      marginalCovariances(graph, values, vertices, options);
   std::string out;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    out += std::string(loaded.graph.type(vertices[i]).tag) + ' ' +
-           std::to_string(loaded.graph.id(vertices[i]));
+    out += std::string(graph.type(vertices[i]).tag) + ' ' + std::to_string(graph.id(vertices[i]));
     const Eigen::MatrixXd& covariance = covariances[i];
     for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
       for (Eigen::Index c = r; c < covariance.cols(); ++c) {
@@ -133,7 +119,7 @@ std::string formatCovariances(const LoadedGraph& loaded, Engine& engine) {
   return out;
 }
 
-ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
+ExitCode run(OptimizeOptions& options, Clock::time_point start) {
   refuseContradictions(options);
   SolveOptions solve_options = options.solve;
   solve_options.threads = threadCount(options.threads);
@@ -146,27 +132,37 @@ ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
   const auto engine = makeEngine(options.engine);
   requireSolver(*engine, solve_options.linear_solver);
   setGuess(*engine, options.guess, solve_options);
+  options.robust.resolve(*engine, solve_options);
   const std::string invalid = solve_options.validate();
   if (!invalid.empty()) throw Error(ExitCode::kUsage, invalid);
-  const graft_kernel_type* kernel = requireKernel(*engine, options.kernel);
 
   RunTimes times;
   const auto load_start = Clock::now();
   LoadedGraph loaded = loadAndReport(options.input, *engine, options.engine);
-  if (kernel != nullptr) loaded.graph.setKernel({kernel, options.kernel_width});
+  // What options say about kernels holds for this run; the output keeps the file's.
+  std::unique_ptr<Graph> with_kernels;
+  if (options.robust.givesKernels()) {
+    with_kernels = std::make_unique<Graph>(loaded.graph);
+    options.robust.applyKernels(*with_kernels);
+  }
+  const Graph& graph = with_kernels != nullptr ? *with_kernels : loaded.graph;
   times.load = secondsSince(load_start);
 
-  const Summary summary = solve(loaded, *engine, solve_options);
+  const Summary summary = solve(graph, loaded.values, *engine, solve_options);
   for (const std::string& note : summary.notes) printMessage("note", note);
 
   const auto write_start = Clock::now();
+  options.robust.markSwitchedOff(summary, loaded.graph);
   if (!options.output.empty() && summary.usable()) {
     writeFileAtomically(options.output,
                         formatG2o(loaded.graph, loaded.values,
                                   {directoryOf(options.input), directoryOf(options.output)}));
   }
   if (!options.covariance.empty() && summary.usable()) {
-    writeFileAtomically(options.covariance, formatCovariances(loaded, *engine));
+    writeFileAtomically(
+        options.covariance,
+        formatCovariances(solvedGraph(graph, solve_options.level, summary), loaded.values,
+                          {solve_options.information, solve_options.threads}));
   }
   times.write = secondsSince(write_start);
   times.total = secondsSince(start);
@@ -210,15 +206,7 @@ void addOptimize(Program& program, Clock::time_point start) {
                    "block, or a plugin's solver; see 'graft plugins'")
       ->capture_default_str();
   options->engine.addPluginOption(*command);
-  CLI::Option* kernel =
-      command->add_option("--robust-kernel", options->kernel,
-                          "Put a robust kernel on all edges, e.g. Huber; see 'graft plugins'");
-  command
-      ->add_option("--kernel-width", options->kernel_width,
-                   "Its width (Huber: errors beyond it count linearly)")
-      ->needs(kernel)
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  options->robust.addTo(*command);
   command
       ->add_option("--initial-guess", options->guess,
                    "file, spanning-tree, chordal (rotations as free matrices by least squares, "

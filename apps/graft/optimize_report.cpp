@@ -90,6 +90,30 @@ nlohmann::ordered_json iterationLog(const Summary& summary) {
   return log;
 }
 
+const char* kindName(RobustEstimation kind) {
+  return kind == RobustEstimation::kGemanMcClure ? "gm" : "tls";
+}
+
+nlohmann::ordered_json describeGraduation(const GraduationReport& report) {
+  nlohmann::ordered_json document;
+  document["kind"] = kindName(report.kind);
+  document["candidates"] = report.candidates;
+  document["noise_factor"] = report.noise_factor;
+  document["passes"] = report.passes;
+  document["rounds"] = report.rounds;
+  document["iterations"] = report.iterations;
+  document["off"] = nlohmann::ordered_json::array();
+  for (const SwitchedOff& off : report.off) {
+    document["off"].push_back({{"tag", off.tag},
+                               {"ids", off.ids},
+                               {"line", off.line},
+                               {"weight", off.weight},
+                               {"chi2", off.square},
+                               {"threshold", off.threshold}});
+  }
+  return document;
+}
+
 }  // namespace
 
 std::string formatSummary(const LoadedGraph& loaded, const Summary& summary,
@@ -113,6 +137,14 @@ std::string formatSummary(const LoadedGraph& loaded, const Summary& summary,
   }
   if (summary.start != StartKind::kGiven) {
     row("start", startName(summary) + ", chi2 " + number(summary.chi2_start));
+  }
+  const GraduationReport& graduation = summary.graduation;
+  if (graduation.kind != RobustEstimation::kNone) {
+    row("gnc", std::string(kindName(graduation.kind)) + ", " +
+                   std::to_string(graduation.off.size()) + " of " +
+                   std::to_string(graduation.candidates) + " edges switched off that might be, " +
+                   std::to_string(graduation.rounds) + " rounds, " +
+                   std::to_string(graduation.iterations) + " iterations");
   }
   row("solver",
       summary.linear_solver + (summary.ordering.empty() ? "" : ", ordering " + summary.ordering) +
@@ -139,6 +171,9 @@ std::string formatJson(const LoadedGraph& loaded, const Summary& summary, const 
   document["vertices"] = loaded.counts.vertices;
   document["edges"] = loaded.counts.edges;
   document["threads"] = summary.threads;
+  if (summary.graduation.kind != RobustEstimation::kNone) {
+    document["gnc"] = describeGraduation(summary.graduation);
+  }
   document["seconds"] = {{"load", times.load},
                          {"initial_guess", summary.seconds_guess},
                          {"solve", summary.seconds_solve},

@@ -20,6 +20,11 @@ void requireFinite(const double* numbers, std::size_t count, const std::string& 
   }
 }
 
+void requireLevel(std::int32_t level) {
+  if (level < 0)
+    reject("the level of an edge is " + std::to_string(level) + ", but must be 0 or more");
+}
+
 }  // namespace
 
 int Graph::vertexBlockOf(const graft_vertex_type& type, Values& values) {
@@ -142,6 +147,7 @@ void Graph::checkEdge(EdgeSpec& spec, int& error_dim) const {
          std::to_string(spec.information.size()));
   }
   requireFinite(spec.information.data(), spec.information.size(), type.tag);
+  requireLevel(spec.level);
 }
 
 EdgeId Graph::addEdge(EdgeSpec spec) {
@@ -159,6 +165,7 @@ EdgeId Graph::addEdge(EdgeSpec spec) {
   block.information_begin.push_back(std::int64_t(block.information.size()));
   block.resources.insert(block.resources.end(), spec.resources.begin(), spec.resources.end());
   block.kernels.push_back(spec.kernel);
+  block.levels.push_back(spec.level);
   block.lines.push_back(spec.line);
   block.ids.push_back(next_edge_);
   return next_edge_++;
@@ -194,6 +201,19 @@ void Graph::setKernel(const Kernel& kernel, const std::string& tag) {
       std::fill(block.kernels.begin(), block.kernels.end(), index);
     }
   }
+}
+
+void Graph::clearKernels(const std::string& tag) {
+  for (EdgeBlock& block : edge_blocks_) {
+    if (tag.empty() || tag == block.type->tag) {
+      std::fill(block.kernels.begin(), block.kernels.end(), -1);
+    }
+  }
+}
+
+void Graph::setLevel(std::size_t block, std::size_t edge, std::int32_t level) {
+  requireLevel(level);
+  edge_blocks_[block].levels[edge] = level;
 }
 
 void Graph::setFixed(VertexRef v, bool fixed) {

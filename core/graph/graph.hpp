@@ -41,6 +41,7 @@ struct EdgeBlock {
   std::vector<double> information;      ///< upper triangle, row by row, as given
   std::vector<std::int32_t> resources;  ///< resource_count indices per edge
   std::vector<std::int32_t> kernels;    ///< index into Graph::kernels(), -1 = none
+  std::vector<std::int32_t> levels;     ///< 0 or more; a solve takes the edges of one level
   std::vector<std::int64_t> lines;
   std::vector<EdgeId> ids;  ///< rising
 
@@ -78,6 +79,7 @@ class Graph {
     std::vector<double> measurement;
     std::vector<double> information;
     std::int32_t kernel = -1;
+    std::int32_t level = 0;
     std::int64_t line = 0;
   };
   /// Checks arity, the vertex type of every slot, repeats, resource types and
@@ -98,6 +100,10 @@ class Graph {
   std::int32_t addKernel(const Kernel& kernel);
   /// Puts one kernel on all edges, or on those of one tag.
   void setKernel(const Kernel& kernel, const std::string& tag = "");
+  /// Takes the kernels off all edges, or off those of one tag.
+  void clearKernels(const std::string& tag = "");
+  /// Puts an edge on a level: `edge` counts in edgeBlocks()[block].
+  void setLevel(std::size_t block, std::size_t edge, std::int32_t level);
   void setFixed(VertexRef v, bool fixed);
 
   /// The vertex with an id; type -1 if there is none.

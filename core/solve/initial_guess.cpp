@@ -27,6 +27,7 @@ class Spreading {
     const auto& groups = problem.groups();
     for (std::size_t g = 0; g < groups.size(); ++g) {
       if (groups[g].type->propagate == nullptr) continue;
+      some_without_weight_ = some_without_weight_ || !groups[g].weights.empty();
       for (std::int64_t e = 0; e < groups[g].count; ++e) {
         for (int k = 0; k < groups[g].arity; ++k) {
           const VertexRef v = groups[g].vertices[std::size_t(e * groups[g].arity + k)];
@@ -40,9 +41,11 @@ class Spreading {
   SpreadResult run(const std::vector<VertexRef>& placed) {
     for (const VertexRef v : placed) place(v);
     placeRoots();
-    for (std::size_t next = 0; next < queue_.size(); ++next) {
-      const VertexRef v = queue_[next];
-      for (const EdgeRef& edge : edges_[std::size_t(v.type)][std::size_t(v.index)]) reach(edge);
+    follow();
+    if (some_without_weight_) {
+      // What the edges that count could not reach is placed by the others.
+      every_edge_ = true;
+      follow();
     }
     SpreadResult result;
     result.placed = placed_count_;
@@ -76,9 +79,17 @@ class Spreading {
     }
   }
 
+  void follow() {
+    for (std::size_t next = 0; next < queue_.size(); ++next) {
+      const VertexRef v = queue_[next];
+      for (const EdgeRef& edge : edges_[std::size_t(v.type)][std::size_t(v.index)]) reach(edge);
+    }
+  }
+
   /// Places the vertices of an edge that are not placed yet, if it can.
   void reach(const EdgeRef& edge) {
     const EdgeGroup& group = problem_.groups()[std::size_t(edge.group)];
+    if (!every_edge_ && group.weight(edge.edge) == 0) return;
     const VertexRef* vertices = &group.vertices[std::size_t(edge.edge) * std::size_t(group.arity)];
     int open = 0;
     for (int k = 0; k < group.arity; ++k) open += isPlaced(vertices[k]) == 0 ? 1 : 0;
@@ -119,6 +130,8 @@ class Spreading {
   std::vector<std::vector<std::vector<EdgeRef>>> edges_;
   std::vector<VertexRef> queue_;
   std::int64_t placed_count_ = 0;
+  bool some_without_weight_ = false;
+  bool every_edge_ = false;  ///< else only those of weight above 0
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <map>
 
+#include "core/base/disjoint_sets.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/block_cholesky.hpp"
@@ -363,6 +364,49 @@ bool hasOpenBlock(const NormalEquations& equations) {
     }
   }
   return false;
+}
+
+bool hasWeakAnchor(const Problem& problem) {
+  enum Anchor : std::uint8_t { kNone, kWeak, kFirm };
+  const std::size_t count = problem.freeVertices().size();
+  std::vector<Anchor> anchors(count, kNone);
+  DisjointSets sets(count);
+  bool any = false;
+  for (const EdgeGroup& group : problem.groups()) {
+    const std::int64_t size = std::int64_t{group.error_dim} * group.error_dim;
+    for (std::int64_t e = 0; e < group.count; ++e) {
+      const std::int32_t* blocks = group.blocks.data() + e * group.arity;
+      std::int32_t first = -1;
+      bool held = false;
+      for (int k = 0; k < group.arity; ++k) {
+        if (blocks[k] < 0) {
+          held = true;
+        } else if (first < 0) {
+          first = blocks[k];
+        } else {
+          sets.merge(std::size_t(first), std::size_t(blocks[k]));
+        }
+      }
+      if (first < 0) continue;
+      Anchor& anchor = anchors[std::size_t(first)];
+      if (held) anchor = kFirm;
+      if (group.arity > 1 || (group.type->flags & GRAFT_EDGE_RELATIVE) != 0) continue;
+      any = true;
+      if (anchor == kFirm) continue;
+      const Eigen::Map<const Eigen::MatrixXd> root(group.roots.data() + e * size, group.error_dim,
+                                                   group.error_dim);
+      const bool whole = group.error_dim >= group.tangent_dim &&
+                         root.colPivHouseholderQr().rank() >= group.tangent_dim;
+      anchor = whole ? kFirm : kWeak;
+    }
+  }
+  if (!any) return false;
+  std::vector<Anchor> of_set(count, kNone);
+  for (std::size_t i = 0; i < count; ++i) {
+    Anchor& whole = of_set[sets.find(i)];
+    whole = std::max(whole, anchors[i]);
+  }
+  return std::find(of_set.begin(), of_set.end(), kWeak) != of_set.end();
 }
 
 }  // namespace graft

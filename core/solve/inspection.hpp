@@ -67,4 +67,9 @@ std::vector<std::string> describeFreeDirections(const Problem& problem, const Va
 /// singular. Cheap; what several vertices can do together only findFreeDirections() sees.
 bool hasOpenBlock(const NormalEquations& equations);
 
+/// True where all that holds a connected component are edges of arity 1 of which none
+/// measures a whole vertex (e.g. one position of a pose): what is left may be free. Looks
+/// at dimensions and information matrices only; findFreeDirections() tells.
+bool hasWeakAnchor(const Problem& problem);
+
 }  // namespace graft

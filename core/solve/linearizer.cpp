@@ -198,6 +198,30 @@ Evaluation Linearizer::runAll(const State& state, bool keep,
   return total;
 }
 
+Evaluation Linearizer::squaredErrors(const State& state,
+                                     std::vector<std::vector<double>>& squares) const {
+  const auto& groups = problem_->groups();
+  squares.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) squares[g].resize(std::size_t(groups[g].count));
+  std::vector<Evaluation> results(chunks_.size());
+  pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
+    const Chunk& chunk = chunks_[std::size_t(piece)];
+    const int dim = groups[chunk.group].error_dim;
+    std::vector<double> residuals(std::size_t((chunk.end - chunk.begin) * dim));
+    results[std::size_t(piece)] = evaluateChunk(chunk, state, residuals.data(), nullptr);
+    const double* r = residuals.data();
+    for (std::int64_t e = chunk.begin; e < chunk.end; ++e, r += dim) {
+      double s = 0;
+      for (int i = 0; i < dim; ++i) s += r[i] * r[i];
+      squares[chunk.group][std::size_t(e)] = s;
+    }
+  });
+  for (const Evaluation& result : results) {
+    if (!result.ok()) return result;
+  }
+  return {};
+}
+
 Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, double* residuals,
                                      double* jacobians) const {
   static PerThread<Scratch> scratches;
@@ -247,9 +271,10 @@ Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, dou
       return {0, "chi2 of edge " + edge + " is not finite" +
                      (std::isfinite(s) ? byKernel(graph, group.kernels[index]) : std::string())};
     }
-    result.chi2 += robust.value;
+    const double weight = group.weight(chunk.begin + e);
+    result.chi2 += weight * robust.value;
     if (jacobians == nullptr) continue;
-    const double scale = std::sqrt(robust.weight);
+    const double scale = std::sqrt(weight * robust.weight);
     if (scale != 1.0) {
       for (int i = 0; i < dim; ++i) r[i] *= scale;
     }

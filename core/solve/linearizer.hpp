@@ -37,6 +37,8 @@ class Linearizer {
   Evaluation evaluate(const State& state, std::map<std::string, double>* by_tag = nullptr) const;
   /// F at the state; keeps residuals and Jacobians for residuals() and jacobians().
   Evaluation linearize(const State& state);
+  /// The squared whitened error of every edge of every group, neither weighted nor robust.
+  Evaluation squaredErrors(const State& state, std::vector<std::vector<double>>& squares) const;
   /// Chooses associations anew at the state's estimates; adds to `changed`.
   Evaluation associate(State& state, std::int64_t& changed) const;
   bool hasAssociations() const { return has_associations_; }

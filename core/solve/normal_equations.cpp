@@ -95,9 +95,12 @@ void NormalEquations::findTerms(const Problem& problem) {
       const EdgeGroup& group = problem.groups()[g];
       for (std::int64_t e = 0; e < group.count; ++e) {
         const std::int32_t* slots = group.blocks.data() + e * group.arity;
+        // An edge of weight 0 adds nothing, but a vertex keeps its diagonal block.
+        const bool diagonal_only = group.weight(e) == 0;
         for (int a = 0; a < group.arity; ++a) {
           for (int b = 0; b < group.arity; ++b) {
             if (slots[b] < 0 || slots[a] < slots[b]) continue;
+            if (diagonal_only && slots[a] != slots[b]) continue;
             visit(slots[a], slots[b],
                   Term{std::int32_t(g), std::int32_t(e), group.slot_offsets[std::size_t(a)],
                        group.slot_offsets[std::size_t(b)]});

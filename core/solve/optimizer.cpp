@@ -7,6 +7,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/solve/graduated.hpp"
 #include "core/solve/inspection.hpp"
 #include "core/solve/start.hpp"
 #include "core/solve/step_strategy.hpp"
@@ -28,7 +29,7 @@ class Solve {
         options_(options),
         values_(values),
         pool_(pool),
-        problem_(graph, options.information),
+        problem_(graph, options.information, options.level),
         solver_(solver),
         memory_(memory),
         linearizer_(problem_, pool_) {
@@ -40,13 +41,15 @@ class Solve {
          {"analyze", "linearize", "factorize", "solve", "update", "evaluate", "associate"}) {
       summary_.seconds_by_phase[phase] = 0;
     }
+    if (options.graduation.kind != RobustEstimation::kNone) {
+      graduated_ = std::make_unique<Graduated>(problem_, options, summary_.graduation);
+    }
   }
 
   Summary run() {
-    Start start = chooseStart(problem_, linearizer_, pool_, registry_, options_, values_);
+    Start start = begin();
     summary_.start = start.kind;
     summary_.start_name = start.name;
-    summary_.chi2_initial = start.chi2_given;
     summary_.notes.insert(summary_.notes.end(), start.notes.begin(), start.notes.end());
     summary_.seconds_guess = watch_.seconds();
     const Stopwatch solving;
@@ -62,6 +65,26 @@ class Solve {
   }
 
  private:
+  /// The state to begin with. Under graduation it follows what can be trusted, and is
+  /// judged by all the rest, too.
+  Start begin() {
+    State state;
+    Evaluation given = linearizer_.begin(values_, state);
+    if (given.ok()) given = linearizer_.evaluate(state);
+    summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
+    if (graduated_ == nullptr) {
+      return chooseStart({problem_, linearizer_, pool_, registry_, options_}, std::move(state),
+                         given);
+    }
+    graduated_->trustOnly();
+    const auto cost = [this](const State& at) {
+      return graduated_->truncatedCost(linearizer_, at);
+    };
+    if (given.ok()) given = cost(state);
+    return chooseStart({problem_, linearizer_, pool_, registry_, options_, cost}, std::move(state),
+                       given);
+  }
+
   void finish(Status status, std::string reason) {
     summary_.status = status;
     summary_.reason = std::move(reason);
@@ -85,6 +108,7 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
+    if (!graduate(state, chi2)) return;
     SolveContext context(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
     summary_.symbolic_reuse = context.symbolicReuse();
     summary_.ordering = solver_.ordering();
@@ -102,10 +126,28 @@ class Solve {
   /// Names what the edges leave open: damping hides it, undamped systems fail by it.
   void noteFreeDirections(const SolveContext& context) {
     const bool failed = summary_.status == Status::kFailed;
-    if (isInterrupted() || (!failed && !hasOpenBlock(context.equations()))) return;
+    const bool linearized = summary_.iterations.size() > 1;
+    const bool suspicious =
+        failed || hasWeakAnchor(problem_) || (linearized && hasOpenBlock(context.equations()));
+    if (isInterrupted() || !suspicious) return;
     std::vector<std::string> texts = describeFreeDirections(problem_, context.state().values);
     if (failed && !texts.empty()) summary_.reason += " (" + texts.front() + ")";
     for (std::string& text : texts) summary_.notes.push_back("no edge determines this: " + text);
+  }
+
+  /// Switches off the edges that contradict the others, if that is wanted. False if the
+  /// solve has ended with that.
+  bool graduate(State& state, double& chi2) {
+    if (graduated_ == nullptr) return true;
+    const auto must_stop = [this] {
+      return isInterrupted() ||
+             (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit);
+    };
+    const Evaluation evaluation = graduated_->run(
+        {linearizer_, solver_, memory_, pool_, summary_.seconds_by_phase, must_stop}, state);
+    chi2 = evaluation.chi2;
+    if (!evaluation.ok()) fail(evaluation.failure);
+    return evaluation.ok();
   }
 
   void record(IterationRecord record, double chi2) {
@@ -207,6 +249,7 @@ class Solve {
   PatternMemory& memory_;
   Linearizer linearizer_;
   Summary summary_;
+  std::unique_ptr<Graduated> graduated_;
 };
 
 }  // namespace
@@ -245,10 +288,10 @@ Summary optimize(const Graph& graph, Values& values, Registry& registry,
   return Optimizer(registry, options).solve(graph, values);
 }
 
-double evaluateChi2(const Graph& graph, const Values& values,
-                    std::map<std::string, double>* by_tag) {
+double evaluateChi2(const Graph& graph, const Values& values, std::map<std::string, double>* by_tag,
+                    std::int32_t level) {
   ThreadPool pool(1);
-  const Problem problem(graph, InformationPolicy::kProject);
+  const Problem problem(graph, InformationPolicy::kProject, level);
   const Linearizer linearizer(problem, pool);
   State state;
   Evaluation evaluation = linearizer.begin(values, state);

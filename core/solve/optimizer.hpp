@@ -45,8 +45,8 @@ class Optimizer {
 };
 
 /// F at the values, without solving. `by_tag`, if given, receives the share of
-/// every edge type.
+/// every edge type. `level` as in SolveOptions.
 double evaluateChi2(const Graph& graph, const Values& values,
-                    std::map<std::string, double>* by_tag = nullptr);
+                    std::map<std::string, double>* by_tag = nullptr, std::int32_t level = 0);
 
 }  // namespace graft

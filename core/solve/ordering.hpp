@@ -15,20 +15,26 @@ struct BlockGraph {
   std::vector<std::int32_t> begin;  ///< one more than blocks
   std::vector<std::int32_t> neighbours;
 
+  BlockGraph() = default;
   explicit BlockGraph(const graft_block_pattern& pattern);
   std::int32_t size() const { return std::int32_t(dims.size()); }
 };
 
 /// An elimination order and what it leads to.
 struct Ordering {
-  std::string name;                 ///< "natural", "amd", "metis" or "kept"
+  /// "natural", "amd", "metis", "kept", or such as "schur(1200 of 1250)+amd": so many blocks are
+  /// eliminated first, independently of each other, and what is left is ordered by "amd".
+  std::string name;
   std::vector<std::int32_t> order;  ///< position -> block
   double flops = 0;                 ///< of one factorisation, multiplications and additions
 };
 
 /// The order with the fewest predicted flops of approximate minimum degree
 /// (Amestoy, Davis, Duff 1996) and, where the factorisation costs enough that it
-/// can pay, nested dissection (Karypis, Kumar 1998), both on the block graph.
+/// can pay, nested dissection (Karypis, Kumar 1998), both on the block graph. Where most
+/// blocks can be eliminated independently, as landmarks can, they go first and what they
+/// leave of the others (their Schur complement), a small graph, is ordered by these two;
+/// minimum degree on all blocks is then tried only where it can pay.
 Ordering chooseOrdering(const BlockGraph& graph);
 
 /// A given order, judged.

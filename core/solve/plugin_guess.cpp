@@ -50,8 +50,9 @@ class GuessView {
     PluginGuessResult result;
     graft_message message = {};
     const Values before = state_.values;
-    if (callPlugin(Callback::kGuess, type.name, message,
-                   [&] { return type.guess(&view_, &message); }) != GRAFT_OK) {
+    const int status = callPlugin(Callback::kGuess, type.name, message,
+                                  [&] { return type.guess(&view_, &message); });
+    if (status != GRAFT_OK) {
       result.failure = message.text[0] != '\0' ? message.text : "it gives no reason";
       return result;
     }
@@ -105,8 +106,9 @@ class GuessView {
     if (placed_[i] == 0) return;
     if (held_[i] != 0) refuse("is held, but was marked as placed");
     graft_message message = {};
-    if (callPlugin(Callback::kNormalize, types_[i]->tag, message,
-                   [&] { return types_[i]->normalize(estimate, &message); }) != GRAFT_OK) {
+    const int status = callPlugin(Callback::kNormalize, types_[i]->tag, message,
+                                  [&] { return types_[i]->normalize(estimate, &message); });
+    if (status != GRAFT_OK) {
       refuse("got numbers that are no estimate: " + std::string(message.text));
     }
     if (!std::all_of(estimate, estimate + types_[i]->ambient_dim,

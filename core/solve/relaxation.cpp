@@ -65,7 +65,9 @@ class Stage {
       const graft_edge_relaxation* relaxation = group.type->relaxation;
       if (relaxation == nullptr || relaxation->rows[stage_] == 0) continue;
       const EdgeBatch batch(group, g, state_, 0, group.count);
-      for (std::int64_t e = 0; e < group.count; ++e) collectEdge(group, batch, e);
+      for (std::int64_t e = 0; e < group.count; ++e) {
+        if (group.weight(e) > 0) collectEdge(group, batch, e);
+      }
     }
   }
 

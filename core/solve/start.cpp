@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/solve/start.hpp"
 
-#include <limits>
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -19,22 +18,14 @@ bool isLower(const Evaluation& a, const Evaluation& b) {
 
 class Chooser {
  public:
-  Chooser(const Problem& problem, const Linearizer& linearizer, ThreadPool& pool,
-          Registry& registry, const SolveOptions& options)
-      : problem_(problem),
-        linearizer_(linearizer),
-        pool_(pool),
-        registry_(registry),
-        options_(options) {}
+  Chooser(const StartTools& tools, State given, Evaluation evaluation) : tools_(tools) {
+    start_.state = std::move(given);
+    start_.evaluation = std::move(evaluation);
+  }
 
-  Start run(const Values& values) {
-    start_.evaluation = evaluateAt(values, start_.state);
-    const Evaluation& given = start_.evaluation;
-    start_.chi2_given = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
+  Start run() {
     // Without associations to go by (they failed), no edge can tell where to begin.
-    if (options_.initial_guess != InitialGuess::kFile && !start_.state.associations.empty()) {
-      choose();
-    }
+    if (!start_.state.associations.empty()) choose();
     return std::move(start_);
   }
 
@@ -47,13 +38,13 @@ class Chooser {
   };
 
   void choose() {
-    switch (options_.initial_guess) {
+    switch (tools_.options.initial_guess) {
       case InitialGuess::kFile:
         return;
       case InitialGuess::kChordal:
         return begin(StartKind::kChordal, relax(true));
       case InitialGuess::kPlugin:
-        start_.name = options_.guess_name;
+        start_.name = tools_.options.guess_name;
         return begin(StartKind::kPlugin, askPlugin());
       case InitialGuess::kSpanningTree: {
         Guess tree = spread(start_.state);
@@ -83,8 +74,9 @@ class Chooser {
   }
 
   Evaluation evaluateAt(const Values& values, State& state) const {
-    Evaluation evaluation = linearizer_.begin(values, state);
-    return evaluation.ok() ? linearizer_.evaluate(state) : evaluation;
+    Evaluation evaluation = tools_.linearizer.begin(values, state);
+    if (!evaluation.ok()) return evaluation;
+    return tools_.cost ? tools_.cost(state) : tools_.linearizer.evaluate(state);
   }
 
   /// Whether a start is so far from what noise explains that a relaxation, which
@@ -92,14 +84,14 @@ class Chooser {
   bool isPoor(const Evaluation& evaluation) const {
     constexpr double kPoor = 10;
     double errors = 0;
-    for (const EdgeGroup& group : problem_.groups()) {
+    for (const EdgeGroup& group : tools_.problem.groups()) {
       errors += double(group.count) * group.error_dim;
     }
     return !evaluation.ok() || evaluation.chi2 > kPoor * errors;
   }
 
   Guess spread(const State& state, const std::vector<VertexRef>& placed = {}) const {
-    SpreadResult result = spreadEstimates(problem_, state, placed);
+    SpreadResult result = spreadEstimates(tools_.problem, state, placed);
     Guess guess;
     guess.placed = result.placed;
     guess.unplaced = result.unplaced;
@@ -121,23 +113,24 @@ class Chooser {
   /// Without a relaxation, or with one that says no more than a tree: throws if it is
   /// required, else the guess has no vertex placed.
   Guess relax(bool required) const {
-    RelaxResult result = relaxEstimates(problem_, start_.state, pool_, !required);
+    RelaxResult result = relaxEstimates(tools_.problem, start_.state, tools_.pool, !required);
     if (result.failure.empty()) return complete(std::move(result.values), result.placed);
     if (!required) return {};
     throw Error(ExitCode::kNoResult, "there is no chordal initial guess: " + result.failure);
   }
 
   Guess askPlugin() const {
-    const graft_guess_type* type = registry_.guess(options_.guess_name);
+    const graft_guess_type* type = tools_.registry.guess(tools_.options.guess_name);
     if (type == nullptr) {
-      throw Error(ExitCode::kUsage, "unknown initial guess " + quoted(options_.guess_name) +
-                                        "; auto, file, spanning-tree and chordal are built in" +
-                                        registry_.advice({Kind::kGuess, options_.guess_name}));
+      throw Error(ExitCode::kUsage,
+                  "unknown initial guess " + quoted(tools_.options.guess_name) +
+                      "; auto, file, spanning-tree and chordal are built in" +
+                      tools_.registry.advice({Kind::kGuess, tools_.options.guess_name}));
     }
-    PluginGuessResult result = guessByPlugin(problem_, start_.state, *type);
+    PluginGuessResult result = guessByPlugin(tools_.problem, start_.state, *type);
     if (result.failure.empty()) return complete(std::move(result.values), result.placed);
     throw Error(ExitCode::kNoResult,
-                "there is no initial guess " + options_.guess_name + ": " + result.failure);
+                "there is no initial guess " + tools_.options.guess_name + ": " + result.failure);
   }
 
   void noteUnusable(const Evaluation& given, const char* start) {
@@ -156,19 +149,14 @@ class Chooser {
     start_.evaluation = guess.evaluation;
   }
 
-  const Problem& problem_;
-  const Linearizer& linearizer_;
-  ThreadPool& pool_;
-  Registry& registry_;
-  const SolveOptions& options_;
+  const StartTools& tools_;
   Start start_;
 };
 
 }  // namespace
 
-Start chooseStart(const Problem& problem, const Linearizer& linearizer, ThreadPool& pool,
-                  Registry& registry, const SolveOptions& options, const Values& given) {
-  return Chooser(problem, linearizer, pool, registry, options).run(given);
+Start chooseStart(const StartTools& tools, State given, Evaluation evaluation) {
+  return Chooser(tools, std::move(given), std::move(evaluation)).run();
 }
 
 }  // namespace graft

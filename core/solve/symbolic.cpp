@@ -13,6 +13,9 @@ using Index = std::int32_t;
 /// Below this a factorisation is over before threads are awake.
 constexpr double kFlopsWorthThreads = 3e6;
 
+/// Small leaves under one front, from which on they have no update matrices.
+constexpr std::ptrdiff_t kLeavesWorthAbsorbing = 8;
+
 /// Nanoseconds that a front of k columns and m rows takes, roughly: what it
 /// costs to begin one, to move its numbers, and to compute (on whole strips).
 /// Only ratios matter, and those only for how much is merged.
@@ -186,6 +189,7 @@ class Analysis {
       for (const Index child : s.children) {
         result_.supernodes[std::size_t(child)].parent = number[j];
       }
+      absorbLeaves(s);
       s.columns = int(node.column_dim);
       s.rows = int(node.row_dim);
       s.row_blocks = std::move(node.rows);
@@ -197,6 +201,21 @@ class Analysis {
     }
     for (std::size_t i = 0; i < order_.size(); ++i) position_[std::size_t(order_[i])] = Index(i);
     result_.blocks = order_;
+  }
+
+  /// Many small leaves under one front, as landmarks make them, would need more memory
+  /// for their updates than the factor has; few are faster with an update of their own.
+  void absorbLeaves(Supernode& s) {
+    const auto isSmallLeaf = [&](Index child) {
+      const Supernode& c = result_.supernodes[std::size_t(child)];
+      return c.children.empty() && c.columns <= kStrip;
+    };
+    const auto count = std::count_if(s.children.begin(), s.children.end(), isSmallLeaf);
+    if (count < kLeavesWorthAbsorbing) return;
+    s.absorbed_children = int(count);
+    for (const Index child : s.children) {
+      result_.supernodes[std::size_t(child)].absorbed = isSmallLeaf(child);
+    }
   }
 
   void layOut() {
@@ -255,7 +274,7 @@ class Analysis {
     // From the roots down: small enough under a parent that is not begins a task.
     for (std::size_t k = nodes.size(); k-- > 0;) {
       const Index parent = nodes[k].parent;
-      if (parent >= 0 && nodes[std::size_t(parent)].task >= 0) {
+      if (parent >= 0 && (nodes[k].absorbed || nodes[std::size_t(parent)].task >= 0)) {
         nodes[k].task = nodes[std::size_t(parent)].task;
       } else if (work[k] < total / 16 && work[k] > total / 1024) {
         nodes[k].task = Index(result_.tasks.size());
@@ -278,7 +297,7 @@ class Analysis {
     const std::int64_t base = result_.update_size;
     for (const Index k : list) {
       Supernode& s = result_.supernodes[std::size_t(k)];
-      const std::int64_t size = std::int64_t{s.rows} * s.updateStride();
+      const std::int64_t size = s.absorbed ? 0 : std::int64_t{s.rows} * s.updateStride();
       if (size > 0) {
         std::int64_t begin = base;
         auto place = used.begin();
@@ -292,7 +311,7 @@ class Analysis {
       }
       for (const Index c : s.children) {
         const Supernode& child = result_.supernodes[std::size_t(c)];
-        if (child.task != s.task) continue;
+        if (child.task != s.task || child.absorbed) continue;
         const std::int64_t begin = child.update_offset;
         used.erase(std::find_if(used.begin(), used.end(),
                                 [&](const Interval& i) { return i.begin == begin; }));

@@ -32,6 +32,10 @@ struct Supernode {
   /// Where the update matrix begins; its columns are updateStride() apart.
   std::int64_t update_offset = 0;
   std::int32_t task = -1;  ///< the task it belongs to, -1 = none
+  /// A leaf of few columns, e.g. a landmark: it is factored with its parent, and its
+  /// update goes there at once, without a matrix of its own.
+  bool absorbed = false;
+  int absorbed_children = 0;
 
   int columnStrips() const { return stripsOf(columns); }
   int rowStrips() const { return stripsOf(rows); }

@@ -6,6 +6,7 @@ import os
 
 import files
 import poses
+import truth
 from robot import Chain
 
 # Spread of the hand on the object, per task (paper, Table I, "after").
@@ -83,3 +84,20 @@ def rows(task_path, folder, name):
         least.append(("map_collision_free", after["map_collision_free"], 1.0))
     return ([(row, value, bound, value <= bound) for row, value, bound in most] +
             [(row, value, bound, value >= bound) for row, value, bound in least])
+
+
+# Most of the matched input's error against the truth that may be left.
+TRUTH_SHARE = {"hand_m": 0.5, "hand_rad": 0.5, "object_m": 0.8, "object_rad": 0.95,
+               "hand_interpolated_m": 1, "hand_interpolated_rad": 1,
+               "object_interpolated_m": 1, "object_interpolated_rad": 1,
+               "handle_m": 0.8, "handle_rad": 1}
+E1_PER_DOF = (0.3, 2)  # weighted squared E1 residual per degree of freedom
+
+
+def truth_rows(task_path, folder, teacher):
+    """[(row, value, bound, good)] of a result of a simulated teacher's recordings, whose
+    noise-free tracks lie in the folder `teacher`."""
+    left = truth.shares(files.Task(task_path), folder, teacher)
+    residual = files.read_json(os.path.join(folder, "metrics.json"))["e1_per_dof"]
+    return ([(row, left[row], bound, left[row] <= bound) for row, bound in TRUTH_SHARE.items()] +
+            [("e1_per_dof", residual, E1_PER_DOF, E1_PER_DOF[0] <= residual <= E1_PER_DOF[1])])

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Recordings with much missing still reach every bound; a few cases of sweep.py."""
+import io
 import json
 import os
 import unittest
@@ -9,7 +10,8 @@ import bounds
 import files
 import sweep
 import variants
-from program import FolderTest
+from program import PROGRAM, FolderTest
+from verify_result import verify
 
 
 class RobustnessTest(FolderTest):
@@ -75,13 +77,22 @@ class SharedTasks(RobustnessTest):
             with self.subTest(name):
                 self.expect_bounds(name, self.task(name), change_xml=variants.without_torso)
 
-    def test_another_robot(self):
+
+class Tiago(RobustnessTest):
+    """Another robot in the place of the PR2, on tasks that were not recorded for it."""
+
+    def test_bounds_hold_and_files_are_true(self):
         urdf, base, tip, footprint, tool = sweep.TIAGO
-        path = self.data(urdf)
+        robot = self.data(urdf)
         for name in ("swivel_door", "drawer", "sliding_door"):
             with self.subTest(name):
                 change = variants.with_robot("robot.urdf", base, tip, footprint, tool)
-                self.expect_bounds(name, self.task(name), change_xml=change, urdf=path)
+                path, result = self.expect_bounds(name, self.data(f"tasks/{name}/task.xml"),
+                                                  change_xml=change, urdf=robot)
+                out = io.StringIO()
+                self.assertEqual(verify(path, result, PROGRAM, out).failures, [], out.getvalue())
+                with open(result + "/optimized/demo_01/joints.csv", encoding="utf-8") as file:
+                    self.assertIn("arm_7_joint", file.readline())
 
 
 if __name__ == "__main__":

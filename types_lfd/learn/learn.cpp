@@ -123,7 +123,7 @@ class Extractor {
 };
 
 void extractGrasp(const Extractor& extractor, const Values& values, const Graph& graph,
-                  Registry& registry, LearnResult& result) {
+                  LearnResult& result) {
   LearnedGrasp& grasp = result.grasp;
   grasp.object_T_hand = extractor.pose(values, GraphLayout::kHumanGrasp);
   grasp.object_T_gripper = extractor.pose(values, GraphLayout::kRobotGrasp);
@@ -144,8 +144,7 @@ void extractGrasp(const Extractor& extractor, const Values& values, const Graph&
   }
   std::vector<VertexRef> vertices;
   for (const std::int64_t id : ids) vertices.push_back(graph.find(id));
-  const std::vector<Eigen::MatrixXd> blocks =
-      marginalCovariances(graph, values, registry, vertices);
+  const std::vector<Eigen::MatrixXd> blocks = marginalCovariances(graph, values, vertices);
   for (std::size_t k = 0; k < blocks.size(); ++k) grasp.covariance[names[k]] = blocks[k];
 }
 
@@ -275,7 +274,7 @@ LearnResult learn(const RecordedTask& recorded, std::size_t mode,
   result.table_after.ik_achievable =
       double(result.refinement.solved) / double(result.refinement.tuples);
   result.residual_per_dof = observationResidualPerDof(result.task.demonstrations, result.after);
-  extractGrasp(extractor, loaded.values, loaded.graph, registry, result);
+  extractGrasp(extractor, loaded.values, loaded.graph, result);
   phases.begin("fit");
   result.model = fitMotionModel(result.task.task.name, result.after, diagnostics);
   phases.end();
