@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/per_thread.hpp"
+
 namespace graft {
 
 namespace {
@@ -188,8 +190,10 @@ void BlockCholesky::addAbsorbed(const Supernode& s, const Supernode& child, int 
   const std::int64_t stride = std::int64_t{kStrip} * child.columns;
   const double* rows = factor_.data() + child.factor_offset + child.columnStrips() * stride;
   const std::int32_t* in_parent = child.in_parent.data();
-  thread_local std::vector<double> product;
-  thread_local std::vector<std::int64_t> places;
+  static PerThread<std::vector<double>> products;
+  static PerThread<std::vector<std::int64_t>> all_places;
+  std::vector<double>& product = products.get();
+  std::vector<std::int64_t>& places = all_places.get();
   product.resize(std::size_t(child.updateStride()) * kStrip);
   places.resize(std::size_t(child.rows));
   for (int i = begin; i < child.rows; ++i) {
@@ -278,7 +282,8 @@ void BlockCholesky::assembleMatrix(std::size_t index, const double* values, cons
 void BlockCholesky::assembleColumns(const Supernode& s, const Supernode& child) {
   double* strips = factor_.data() + s.factor_offset;
   const double* update = updates_.data() + child.update_offset;
-  thread_local std::vector<std::int64_t> places;
+  static PerThread<std::vector<std::int64_t>> all_places;
+  std::vector<std::int64_t>& places = all_places.get();
   places.resize(std::size_t(child.rows));
   for (int i = 0; i < child.rows; ++i) {
     places[std::size_t(i)] = s.stripOffset(child.in_parent[std::size_t(i)]);
