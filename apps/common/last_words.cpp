@@ -11,8 +11,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <map>
 #include <mutex>
+#include <new>
 #include <thread>
 
 #include "core/base/error.hpp"
@@ -83,6 +85,37 @@ void crashed(int signal) {
   line.write();
   ::_exit(kCode);
 }
+
+/// Where no exception can be thrown any more for want of memory, or one leaves a function
+/// that may not throw (before main() those of global objects, too), the end is that of any
+/// other lack of memory.
+std::terminate_handler usual_end = nullptr;
+[[noreturn]] void ended() {
+  bool memory = false;
+  if (const std::exception_ptr error = std::current_exception()) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const std::bad_alloc&) {
+      memory = true;
+    } catch (...) {
+    }
+  } else {
+    void* room = std::malloc(1024);
+    memory = room == nullptr;
+    std::free(room);
+  }
+  if (memory) {
+    Line line;
+    line << "error: out of memory" << kOutputs;
+    line.write();
+    ::_exit(static_cast<int>(ExitCode::kResources));
+  }
+  if (usual_end != nullptr) usual_end();
+  std::abort();
+}
+
+// Before every other constructor of the program.
+__attribute__((constructor(101))) void installEnd() { usual_end = std::set_terminate(&ended); }
 
 void exited() {
   const PluginActivity activity = PluginCall::ofThisThread();

@@ -9,7 +9,8 @@ namespace graft {
 /// SIGFPE, SIGILL, SIGABRT) and exit() inside a function of a plugin end the program
 /// with `path: error: TYPE: function() ...` and exit code 7. Outputs are written at the
 /// end and as a whole, so that earlier ones stay as they were. Crashes elsewhere, and
-/// those of builds with a sanitizer, end as usual.
+/// those of builds with a sanitizer, end as usual. Also, a lack of memory that no
+/// exception can report any more ends with exit code 6 (from before main() on).
 void installLastWords();
 
 /// Ends the program, as above, where a function of a plugin never returns: once `limit`

@@ -8,6 +8,7 @@ graft::ExitCode run(int argc, char** argv) {
   graft::Program program("graft", "Optimizes factor graphs whose types come from plugins.");
   graft::addOptimize(program, start);
   graft::addCheck(program);
+  graft::addEvaluate(program);
   graft::addConvert(program);
   graft::addSimulate(program);
   graft::addTypes(program);

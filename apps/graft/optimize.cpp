@@ -111,8 +111,7 @@ std::string formatCovariances(const Graph& graph, const Values& values,
     for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
       for (Eigen::Index c = r; c < covariance.cols(); ++c) {
         out += ' ';
-        // No -0.
-        appendDouble(out, covariance(r, c) + 0.0);
+        appendDouble(out, covariance(r, c) + 0.0);  // no -0
       }
     }
     out += '\n';

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/per_thread.hpp"
+
 namespace graft {
 
 namespace {
@@ -22,6 +24,10 @@ constexpr std::int64_t kLeavesPerPiece = 64;
 
 void BlockCholesky::analyze(const graft_block_pattern& pattern,
                             const std::vector<std::int32_t>& order) {
+  // What is there makes room first.
+  factor_ = std::vector<double>();
+  updates_ = std::vector<double>();
+  symbolic_ = SymbolicFactor();
   symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1, order);
   dims_.assign(pattern.dims, pattern.dims + pattern.block_count);
   offsets_.assign(1, 0);
@@ -184,8 +190,10 @@ void BlockCholesky::addAbsorbed(const Supernode& s, const Supernode& child, int 
   const std::int64_t stride = std::int64_t{kStrip} * child.columns;
   const double* rows = factor_.data() + child.factor_offset + child.columnStrips() * stride;
   const std::int32_t* in_parent = child.in_parent.data();
-  thread_local std::vector<double> product;
-  thread_local std::vector<std::int64_t> places;
+  static PerThread<std::vector<double>> products;
+  static PerThread<std::vector<std::int64_t>> all_places;
+  std::vector<double>& product = products.get();
+  std::vector<std::int64_t>& places = all_places.get();
   product.resize(std::size_t(child.updateStride()) * kStrip);
   places.resize(std::size_t(child.rows));
   for (int i = begin; i < child.rows; ++i) {
@@ -274,7 +282,8 @@ void BlockCholesky::assembleMatrix(std::size_t index, const double* values, cons
 void BlockCholesky::assembleColumns(const Supernode& s, const Supernode& child) {
   double* strips = factor_.data() + s.factor_offset;
   const double* update = updates_.data() + child.update_offset;
-  thread_local std::vector<std::int64_t> places;
+  static PerThread<std::vector<std::int64_t>> all_places;
+  std::vector<std::int64_t>& places = all_places.get();
   places.resize(std::size_t(child.rows));
   for (int i = 0; i < child.rows; ++i) {
     places[std::size_t(i)] = s.stripOffset(child.in_parent[std::size_t(i)]);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/per_thread.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/solve/whiten.hpp"
@@ -223,7 +224,8 @@ Evaluation Linearizer::squaredErrors(const State& state,
 
 Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, double* residuals,
                                      double* jacobians) const {
-  thread_local Scratch scratch;
+  static PerThread<Scratch> scratches;
+  Scratch& scratch = scratches.get();
   const Graph& graph = problem_->graph();
   const EdgeGroup& group = problem_->groups()[chunk.group];
   const EdgeBatch batch(group, chunk.group, state, chunk.begin, chunk.end);

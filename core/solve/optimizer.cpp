@@ -3,11 +3,13 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/graduated.hpp"
+#include "core/solve/inspection.hpp"
 #include "core/solve/start.hpp"
 #include "core/solve/step_strategy.hpp"
 
@@ -107,18 +109,39 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
-    if (!graduate(state, chi2)) return;
-    SolveContext context(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    std::optional<SolveContext> made;
+    try {
+      if (!graduate(state, chi2)) return;
+      made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kNoResult) throw;
+      return finish(Status::kFailed, error.what());  // it would not fit into memory
+    }
+    SolveContext& context = *made;
     summary_.symbolic_reuse = context.symbolicReuse();
     summary_.ordering = solver_.ordering();
     summary_.factor_flops = solver_.flops();
+    summary_.factor_bytes = solver_.bytes();
     context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
+    noteFreeDirections(context);
     summary_.associations_changed = context.associationsChanged();
     summary_.chi2_final = context.chi2();
     if (!isInterrupted()) linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
     if (summary_.status != Status::kFailed) values_ = context.state().values;
+  }
+
+  /// Names what the edges leave open: damping hides it, undamped systems fail by it.
+  void noteFreeDirections(const SolveContext& context) {
+    const bool failed = summary_.status == Status::kFailed;
+    const bool linearized = summary_.iterations.size() > 1;
+    const bool suspicious =
+        failed || hasWeakAnchor(problem_) || (linearized && hasOpenBlock(context.equations()));
+    if (isInterrupted() || !suspicious) return;
+    std::vector<std::string> texts = describeFreeDirections(problem_, context.state().values);
+    if (failed && !texts.empty()) summary_.reason += " (" + texts.front() + ")";
+    for (std::string& text : texts) summary_.notes.push_back("no edge determines this: " + text);
   }
 
   /// Switches off the edges that contradict the others, if that is wanted. False if the
@@ -126,7 +149,7 @@ class Solve {
   bool graduate(State& state, double& chi2) {
     if (graduated_ == nullptr) return true;
     const auto must_stop = [this] {
-      return (options_.interrupt != nullptr && options_.interrupt->load() != 0) ||
+      return isInterrupted() ||
              (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit);
     };
     const Evaluation evaluation = graduated_->run(

@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cstring>
 
+#include "core/base/per_thread.hpp"
+
 namespace graft {
 
 namespace {
@@ -36,8 +38,6 @@ struct Place {
   ~Place() {
     if (index < 0) return;
     Slot& slot = slots[std::size_t(index)];
-    // A thread that ends inside a call is one that called exit(): last words need to know.
-    if (slot.tag.load(std::memory_order_relaxed) != nullptr) return;
     slot.taken.store(false, std::memory_order_release);
     index = -1;
   }
@@ -50,8 +50,12 @@ struct Place {
 thread_local int this_place = -1;
 
 Slot* takeSlot() {
-  thread_local const Place place;
-  this_place = place.index;
+  static PerThread<Place> places;
+  try {
+    this_place = places.get().index;
+  } catch (const std::bad_alloc&) {
+    // Calls go on unrecorded.
+  }
   return this_place >= 0 ? &slots[std::size_t(this_place)] : nullptr;
 }
 
