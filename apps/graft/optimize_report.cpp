@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "core/base/memory.hpp"
+
 namespace graft {
 
 namespace {
@@ -148,7 +150,8 @@ std::string formatSummary(const LoadedGraph& loaded, const Summary& summary,
   }
   row("solver",
       summary.linear_solver + (summary.ordering.empty() ? "" : ", ordering " + summary.ordering) +
-          ", " + std::to_string(summary.threads) + (summary.threads == 1 ? " thread" : " threads"));
+          (summary.factor_bytes > 0 ? ", " + formatBytes(summary.factor_bytes) : "") + ", " +
+          std::to_string(summary.threads) + (summary.threads == 1 ? " thread" : " threads"));
   row("seconds", seconds(times.total) + " (load " + seconds(times.load) + ", initial guess " +
                      seconds(summary.seconds_guess) + ", solve " + seconds(summary.seconds_solve) +
                      ", write " + seconds(times.write) + ")");
@@ -185,6 +188,7 @@ std::string formatJson(const LoadedGraph& loaded, const Summary& summary, const 
   document["linear_solver"] = summary.linear_solver;
   document["ordering"] = summary.ordering;
   document["factor_flops"] = summary.factor_flops;
+  document["factor_bytes"] = summary.factor_bytes;
   document["associations_changed"] = summary.associations_changed;
   document["notes"] = summary.notes;
   document["phases"] = summary.seconds_by_phase;

@@ -68,6 +68,14 @@ void RobustOptions::addTo(CLI::App& command) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->needs(gnc);
   command
+      .add_option("--gnc-noise", gnc_noise_,
+                  "fitted: thresholds are lowered where the edges that are kept show less noise "
+                  "than their information matrices say; given: they are not")
+      ->type_name("fitted|given")
+      ->check(CLI::IsMember({"fitted", "given"}).description(""))
+      ->needs(gnc)
+      ->capture_default_str();
+  command
       .add_option("--gnc-level", gnc_level_,
                   "Write the edges that were switched off with this level into the output, so "
                   "that it is a graph without them")
@@ -125,6 +133,7 @@ void RobustOptions::resolve(Engine& engine, SolveOptions& solve) {
   if (!(gnc_probability_ > 0 && gnc_probability_ < 1)) {
     refuse("--gnc-inlier-probability: expected a number between 0 and 1");
   }
+  graduation.fit_noise = gnc_noise_ == "fitted";
   if (gnc_trust_.empty()) return;
   graduation.trust_consecutive = false;
   bool none = false;

@@ -42,6 +42,7 @@ class RobustOptions {
   std::string gnc_;
   double gnc_probability_ = 0.99;
   std::vector<std::string> gnc_trust_;
+  std::string gnc_noise_ = "fitted";
   int gnc_level_ = -1;
   std::vector<Request> requests_;  ///< those for all edges first
 };

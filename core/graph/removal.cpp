@@ -49,6 +49,7 @@ std::size_t keepEdges(EdgeBlock& block, const std::vector<char>& keep) {
   keepItems(block.error_dims, keep);
   keepItems(block.resources, keep, std::size_t(block.type->resource_count));
   keepItems(block.kernels, keep);
+  keepItems(block.levels, keep);
   keepItems(block.lines, keep);
   keepItems(block.ids, keep);
   return removed;

@@ -24,6 +24,10 @@ constexpr std::int64_t kLeavesPerPiece = 64;
 
 void BlockCholesky::analyze(const graft_block_pattern& pattern,
                             const std::vector<std::int32_t>& order) {
+  // What is there makes room first.
+  factor_ = std::vector<double>();
+  updates_ = std::vector<double>();
+  symbolic_ = SymbolicFactor();
   symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1, order);
   dims_.assign(pattern.dims, pattern.dims + pattern.block_count);
   offsets_.assign(1, 0);

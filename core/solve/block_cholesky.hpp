@@ -20,7 +20,8 @@ class BlockCholesky {
   explicit BlockCholesky(ThreadPool* pool = nullptr, const FrontKernels& kernels = frontKernels())
       : pool_(pool), kernels_(&kernels) {}
 
-  /// Symbolic work, once per pattern. `order`: as in analyzePattern().
+  /// Symbolic work, once per pattern. Throws Error(kNoResult) where memory does not suffice.
+  /// `order`: as in analyzePattern().
   void analyze(const graft_block_pattern& pattern, const std::vector<std::int32_t>& order = {});
   /// Factors A + diag(damping) (damping may be null). Returns -1, or the block
   /// whose pivot is not positive (beyond rounding) or not finite.

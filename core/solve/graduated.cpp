@@ -28,7 +28,8 @@ constexpr double kDecided = 1e-4;
 constexpr double kNegligible = 1e-3;
 /// Iterations of a round, and the relative change of F that ends it. Between two rounds
 /// the cost changes anyway, so early rounds need no exact minimum.
-constexpr int kRoundIterations = 30;
+constexpr int kRoundIterations = 5;
+constexpr int kExactIterations = 30;
 constexpr double kRoundTolerance = 1e-4;
 constexpr double kExactTolerance = 1e-9;
 /// Thresholds are as for noise of this many times the variance that the kept edges show.
@@ -200,6 +201,18 @@ bool Graduated::setSides() {
   return changed;
 }
 
+bool Graduated::edgesHaveChanged() {
+  std::vector<char> active;
+  for (std::size_t g = 0; g < candidates_.size(); ++g) {
+    for (std::size_t e = 0; e < candidates_[g].size(); ++e) {
+      active.push_back(problem_->groups()[g].weight(std::int64_t(e)) > 0 ? 1 : 0);
+    }
+  }
+  const bool changed = active != active_;
+  active_ = std::move(active);
+  return changed;
+}
+
 Evaluation Graduated::round(const Tools& tools, bool exact, State& state) {
   ++report_->rounds;
   Evaluation evaluation = tools.linearizer.evaluate(state);
@@ -207,11 +220,13 @@ Evaluation Graduated::round(const Tools& tools, bool exact, State& state) {
   SolveOptions options;
   options.initial_damping = options_->initial_damping;
   const std::unique_ptr<StepStrategy> strategy = StepStrategy::create(options);
+  // An order of elimination that was found among other edges would be a poor one.
+  if (edgesHaveChanged()) tools.memory.forget();
   SolveContext context(*problem_, tools.solver, tools.memory, tools.pool, tools.seconds);
   context.start(std::move(state), evaluation.chi2);
   const double tolerance = exact ? kExactTolerance : kRoundTolerance;
   bool linearized = false;
-  for (int i = 0; i < kRoundIterations && !tools.must_stop(); ++i) {
+  for (int i = 0; i < (exact ? kExactIterations : kRoundIterations) && !tools.must_stop(); ++i) {
     if (!linearized) evaluation = context.linearize();
     if (!evaluation.ok()) break;
     linearized = true;
@@ -228,8 +243,8 @@ Evaluation Graduated::round(const Tools& tools, bool exact, State& state) {
   evaluation.chi2 = context.chi2();
   state = context.state();
   if (!evaluation.ok()) return evaluation;
-  const Evaluation errors = tools.linearizer.squaredErrors(state, squares_);
-  return errors.ok() ? evaluation : errors;
+  evaluation.failure = tools.linearizer.squaredErrors(state, squares_).failure;
+  return evaluation;
 }
 
 Evaluation Graduated::pass(const Tools& tools, double parameter, State& state) {

@@ -76,6 +76,8 @@ class Graduated {
   Evaluation pass(const Tools& tools, double parameter, State& state);
   /// Weighted least squares, roughly or exactly; keeps the squared errors.
   Evaluation round(const Tools& tools, bool exact, State& state);
+  /// Whether other edges than in the last round have a weight above 0.
+  bool edgesHaveChanged();
   /// Lowers the thresholds to the noise that the kept edges show; whether it did.
   bool fitNoise(double kept);
   /// Sum of min(s, c2) if the kept edges' F is `kept`.
@@ -96,6 +98,7 @@ class Graduated {
   std::vector<std::vector<char>> candidates_;     ///< per group and edge: not trusted
   std::vector<std::vector<int>> freedoms_;        ///< per group and edge: rank of its information
   std::vector<std::vector<double>> thresholds_;   ///< per group and edge
+  std::vector<char> active_;                      ///< weight above 0 in the last round
   std::vector<std::vector<double>> squares_;      ///< per group and edge, last errors
 };
 

@@ -28,6 +28,7 @@ class BuiltIn : public LinearSolver {
   }
   std::string ordering() const override { return cholesky_.symbolic().ordering.name; }
   double flops() const override { return cholesky_.symbolic().ordering.flops; }
+  double bytes() const override { return cholesky_.symbolic().bytes(); }
   const std::vector<std::int32_t>* order() const override {
     return &cholesky_.symbolic().ordering.order;
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -108,11 +109,19 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
-    if (!graduate(state, chi2)) return;
-    SolveContext context(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    std::optional<SolveContext> made;
+    try {
+      if (!graduate(state, chi2)) return;
+      made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kNoResult) throw;
+      return finish(Status::kFailed, error.what());  // it would not fit into memory
+    }
+    SolveContext& context = *made;
     summary_.symbolic_reuse = context.symbolicReuse();
     summary_.ordering = solver_.ordering();
     summary_.factor_flops = solver_.flops();
+    summary_.factor_bytes = solver_.bytes();
     context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
@@ -146,8 +155,15 @@ class Solve {
     const Evaluation evaluation = graduated_->run(
         {linearizer_, solver_, memory_, pool_, summary_.seconds_by_phase, must_stop}, state);
     chi2 = evaluation.chi2;
-    if (!evaluation.ok()) fail(evaluation.failure);
-    return evaluation.ok();
+    if (evaluation.ok()) return true;
+    fail(evaluation.failure);
+    if (!isInterrupted()) return false;
+    // What there is so far, weights in between included, is the best there is.
+    linearizer_.setInterrupt(nullptr);
+    const Evaluation reached = linearizer_.evaluate(state, &summary_.chi2_by_tag);
+    summary_.chi2_final = reached.chi2;
+    if (reached.ok()) values_ = state.values;
+    return false;
   }
 
   void record(IterationRecord record, double chi2) {

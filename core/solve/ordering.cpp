@@ -5,9 +5,11 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "core/base/error.hpp"
+#include "core/base/memory.hpp"
 #include "core/solve/schur_pattern.hpp"
 
 namespace graft {
@@ -28,6 +30,9 @@ constexpr double kFlopsWorthAmd = 5000;
 
 /// Neighbours that become neighbours of each other, at most, counted with repetition.
 constexpr double kJoinsWorthFinding = 1e9;
+
+/// Of the graph, twice for AMD's or METIS' own copy, and where the blocks go: roughly.
+constexpr double kBytesPerBlock = 100;
 
 /// Dissection finds nothing in a graph that has more than this share of all edges.
 constexpr double kDenseShare = 0.5;
@@ -81,6 +86,15 @@ std::vector<std::int32_t> orderByMetis(const BlockGraph& graph) {
 BlockGraph::BlockGraph(const graft_block_pattern& pattern)
     : dims(pattern.dims, pattern.dims + pattern.block_count),
       begin(std::size_t(pattern.block_count) + 1, 0) {
+  const std::int64_t blocks = pattern.block_count == 0 ? 0 : pattern.columns[pattern.block_count];
+  const std::int64_t rows = std::accumulate(dims.begin(), dims.end(), std::int64_t{0});
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  if (2 * blocks > kMost || rows > kMost) {
+    throw Error(ExitCode::kNoResult, "the normal equations have " + std::to_string(rows) +
+                                         " unknowns in " + std::to_string(blocks) +
+                                         " blocks: too many for indices of 32 bits");
+  }
+  requireMemory(kBytesPerBlock * double(blocks), "ordering the normal equations");
   const auto forEach = [&](auto&& visit) {
     for (std::int32_t j = 0; j < pattern.block_count; ++j) {
       for (std::int64_t b = pattern.columns[j]; b < pattern.columns[j + 1]; ++b) {
@@ -122,7 +136,7 @@ std::vector<std::int32_t> eliminationTree(const BlockGraph& graph,
   return parent;
 }
 
-double predictFlops(const BlockGraph& graph, const std::vector<std::int32_t>& order) {
+FactorCost predictCost(const BlockGraph& graph, const std::vector<std::int32_t>& order) {
   const std::vector<std::int32_t> position = inverseOf(order);
   const std::vector<std::int32_t> parent = eliminationTree(graph, order);
   // Row i of the factor is the part of the tree between its neighbours and i.
@@ -138,21 +152,22 @@ double predictFlops(const BlockGraph& graph, const std::vector<std::int32_t>& or
       }
     }
   }
-  double flops = 0;
+  FactorCost cost;
   for (std::size_t i = 0; i < order.size(); ++i) {
     for (int c = 0; c < graph.dims[std::size_t(order[i])]; ++c) {
       const double length = below[i] + (graph.dims[std::size_t(order[i])] - c);
-      flops += length * length;
+      cost.flops += length * length;
+      cost.entries += length;
     }
   }
-  return flops;
+  return cost;
 }
 
 namespace {
 
 Ordering evaluated(const BlockGraph& graph, std::string name, std::vector<std::int32_t> order) {
-  const double flops = predictFlops(graph, order);
-  return {std::move(name), std::move(order), flops};
+  const FactorCost cost = predictCost(graph, order);
+  return {std::move(name), std::move(order), cost.flops, cost.entries};
 }
 
 void keepBetter(Ordering& best, Ordering other) {

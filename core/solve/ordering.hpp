@@ -16,6 +16,7 @@ struct BlockGraph {
   std::vector<std::int32_t> neighbours;
 
   BlockGraph() = default;
+  /// Throws Error(kNoResult) if indices of 32 bits do not suffice, or memory.
   explicit BlockGraph(const graft_block_pattern& pattern);
   std::int32_t size() const { return std::int32_t(dims.size()); }
 };
@@ -27,6 +28,7 @@ struct Ordering {
   std::string name;
   std::vector<std::int32_t> order;  ///< position -> block
   double flops = 0;                 ///< of one factorisation, multiplications and additions
+  double entries = 0;               ///< of the factor
 };
 
 /// The order with the fewest predicted flops of approximate minimum degree
@@ -45,7 +47,11 @@ Ordering keepOrdering(const BlockGraph& graph, std::vector<std::int32_t> order);
 std::vector<std::int32_t> eliminationTree(const BlockGraph& graph,
                                           const std::vector<std::int32_t>& order);
 
-/// Flops of a Cholesky factorisation in the given order.
-double predictFlops(const BlockGraph& graph, const std::vector<std::int32_t>& order);
+/// What a Cholesky factorisation in the given order takes.
+struct FactorCost {
+  double flops = 0;
+  double entries = 0;  ///< of the lower triangle
+};
+FactorCost predictCost(const BlockGraph& graph, const std::vector<std::int32_t>& order);
 
 }  // namespace graft

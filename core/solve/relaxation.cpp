@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/error.hpp"
 #include "core/solve/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/types/plugin_call.hpp"
@@ -166,7 +167,12 @@ class Stage {
         system.dims.data(),          system.columns.data(),
         system.rows.data(),          system.offsets.data()};
     BlockCholesky cholesky(&pool);
-    cholesky.analyze(pattern);
+    try {
+      cholesky.analyze(pattern);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kNoResult) throw;
+      return error.what();
+    }
     const std::int32_t failed = cholesky.factorize(system.matrix.data(), nullptr);
     if (failed >= 0) {
       return "stage " + std::to_string(stage_ + 1) + " does not determine " +

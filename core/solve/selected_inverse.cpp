@@ -194,7 +194,7 @@ class Inversion {
         double* tile = out + j * kStrip;
         kernels_.negateProduct(k - int(i) * kStrip, w.roots.data() + i * kStrip * k + skip,
                                w.roots.data() + std::int64_t{j} * k + skip, width, tile, kStrip);
-        for (int e = 0; e < width * kStrip; ++e) tile[e] = -tile[e];
+        for (int e = 0; e < width * kStrip; ++e) tile[e] = 0.0 - tile[e];  // not -0
         if (m == 0) continue;
         kernels_.subtractProduct(m, w.coupling.data() + i * kStrip * m,
                                  w.weights.data() + std::int64_t{j} * m, width, tile, kStrip);

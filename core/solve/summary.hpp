@@ -60,8 +60,9 @@ struct Summary {
   /// other remarks a user should read; one text each.
   std::vector<std::string> notes;
   std::string linear_solver;
-  std::string ordering;     ///< e.g. "amd" or "metis", by the predicted flops
+  std::string ordering;     ///< see Ordering::name; chosen by the predicted flops
   double factor_flops = 0;  ///< predicted, one factorisation
+  double factor_bytes = 0;  ///< of the factor and what its computation needs
   SymbolicReuse symbolic_reuse = SymbolicReuse::kNothing;
   int threads = 1;
   double seconds_guess = 0;

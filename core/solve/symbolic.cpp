@@ -4,11 +4,16 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/memory.hpp"
+
 namespace graft {
 
 namespace {
 
 using Index = std::int32_t;
+
+constexpr const char* kFactor = "the factor of the normal equations";
+constexpr const char* kAdvice = "; an iterative linear solver, such as pcg, makes no factor";
 
 /// Below this a factorisation is over before threads are awake.
 constexpr double kFlopsWorthThreads = 3e6;
@@ -49,12 +54,15 @@ class Analysis {
 
   SymbolicFactor run(const std::vector<Index>& order) {
     result_.ordering = order.empty() ? chooseOrdering(graph_) : keepOrdering(graph_, order);
+    // What the factor takes at least; found out exactly, it takes memory itself.
+    requireMemory(result_.ordering.entries * sizeof(double), kFactor, kAdvice);
     orderByTree();
     findRows();
     merge();
     renumber();
     layOut();
     findTargets();
+    requireMemory(result_.bytes(), kFactor, kAdvice);
     return std::move(result_);
   }
 
@@ -252,6 +260,16 @@ class Analysis {
       }
     }
     if (parallel_ && result_.ordering.flops > kFlopsWorthThreads) findTasks();
+    layOutAllUpdates();
+    if (result_.tasks.empty() || fitsIntoMemory(result_.bytes())) return;
+    // Tasks share no memory for updates, which together may be three times as large.
+    result_.tasks.clear();
+    for (Supernode& s : result_.supernodes) s.task = -1;
+    result_.update_size = 0;
+    layOutAllUpdates();
+  }
+
+  void layOutAllUpdates() {
     for (const auto& task : result_.tasks) layOutUpdates(task);
     std::vector<Index> rest;
     for (std::size_t k = 0; k < result_.supernodes.size(); ++k) {

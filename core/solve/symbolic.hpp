@@ -71,13 +71,17 @@ struct SymbolicFactor {
   std::int64_t factor_size = 0;
   std::int64_t update_size = 0;
   std::int64_t dim = 0;
+
+  /// What the numbers of a factorisation take.
+  double bytes() const { return sizeof(double) * (double(factor_size) + double(update_size)); }
 };
 
 /// Orders, finds the elimination tree, merges columns into supernodes where the
 /// zeros that come in cost less than what a front of its own costs, and lays out
 /// memory. `parallel`: also finds tasks, if there is enough to do; the factor has
 /// the same bits either way. `order`, if not empty: the elimination order (position ->
-/// block) to take instead of choosing one.
+/// block) to take instead of choosing one. Throws Error(kNoResult) where the factor is
+/// larger than what memory is free.
 SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel = false,
                               const std::vector<std::int32_t>& order = {});
 

@@ -133,7 +133,8 @@ TEST(Ordering, PredictsWhatADenseFactorisationTakes) {
   const BlockGraph graph(a.pattern);
   double flops = 0;
   for (int n = 6; n > 0; --n) flops += double(n) * n;
-  EXPECT_DOUBLE_EQ(predictFlops(graph, {0, 1, 2}), flops);
+  EXPECT_DOUBLE_EQ(predictCost(graph, {0, 1, 2}).flops, flops);
+  EXPECT_DOUBLE_EQ(predictCost(graph, {0, 1, 2}).entries, 21);
   EXPECT_DOUBLE_EQ(chooseOrdering(graph).flops, flops);
 }
 
@@ -144,7 +145,7 @@ TEST(Ordering, IsAPermutationForBigGridsToo) {
   // As if blocks were large, so that nested dissection is tried.
   std::fill(graph.dims.begin(), graph.dims.end(), 12);
   Ordering ordering = chooseOrdering(graph);
-  EXPECT_LE(ordering.flops, predictFlops(graph, ordering.order));
+  EXPECT_LE(ordering.flops, predictCost(graph, ordering.order).flops);
   std::sort(ordering.order.begin(), ordering.order.end());
   for (int i = 0; i < kSide * kSide; ++i) EXPECT_EQ(ordering.order[std::size_t(i)], i);
 }

@@ -143,6 +143,34 @@ TEST(Reuse, ASolverThatFailedStartsAnew) {
   }
 }
 
+TEST(Removal, KeepsAllThatBelongsToTheOtherEdges) {
+  TestGraph g;
+  constexpr int kEdges = 9;
+  g.point(0, 0, 0);
+  for (int i = 1; i <= kEdges; ++i) {
+    g.point(i, i, 0);
+    g.edge("TEST_DIFFERENCE", {0, i}, {double(i), 0}, {double(i), 0, 1}, 100 + i, -1);
+    g.graph.setLevel(0, std::size_t(i - 1), i);
+  }
+  g.graph.removeEdges({0, 3, 7});
+  EXPECT_EQ(g.graph.removeVertices({6}, g.values), 1u);
+  const EdgeBlock& block = g.graph.edgeBlocks()[0];
+  const std::vector<std::int32_t> expected = {2, 3, 5, 7, 9};
+  EXPECT_EQ(block.levels, expected);
+  ASSERT_EQ(block.size(), expected.size());
+  ASSERT_EQ(block.kernels.size(), expected.size());
+  ASSERT_EQ(block.error_dims.size(), expected.size());
+  for (std::size_t e = 0; e < expected.size(); ++e) {
+    const std::int32_t i = expected[e];
+    EXPECT_EQ(block.lines[e], 100 + i);
+    EXPECT_EQ(block.ids[e], i - 1);
+    EXPECT_EQ(block.measurements[2 * e], i);
+    EXPECT_EQ(block.information[3 * e], i);
+    EXPECT_EQ(g.graph.id(block.vertices[2 * e + 1]), i);
+    EXPECT_EQ(g.values.at(block.vertices[2 * e + 1])[0], i);
+  }
+}
+
 TEST(Removal, ChangesNothingWhereSomethingIsNotThere) {
   TestGraph g;
   g.point(1, 0, 0);

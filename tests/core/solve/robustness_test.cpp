@@ -238,6 +238,45 @@ TEST(Optimize, HasNothingToDoWithoutEdgesOrFreeVertices) {
   EXPECT_DOUBLE_EQ(summary.chi2_final, 25);
 }
 
+TEST(Optimize, TakesTheEdgesOfOneLevel) {
+  TestGraph g;
+  g.point(1, 0, 0);
+  g.point(2, 5, 5);
+  g.edge("TEST_PRIOR", {1}, {1, 2});
+  g.edge("TEST_PRIOR", {1}, {3, 4});
+  g.edge("TEST_DIFFERENCE", {1, 2}, {1, 1});
+  g.graph.setLevel(0, 1, 1);
+  g.graph.setLevel(1, 0, 2);
+  const auto solve = [&g](std::int32_t level) {
+    Values values = g.values;
+    SolveOptions options;
+    options.level = level;
+    const Summary summary = optimize(g.graph, values, testRegistry(), options);
+    EXPECT_EQ(summary.status, Status::kConverged);
+    EXPECT_NEAR(evaluateChi2(g.graph, values, nullptr, level), summary.chi2_final, 1e-12);
+    return values;
+  };
+  const auto x = [&g](const Values& values, std::int64_t id) {
+    return values.at(g.graph.find(id))[0];
+  };
+  EXPECT_NEAR(x(solve(0), 1), 1, 1e-9);
+  // A vertex without an edge of the level stays where it is.
+  EXPECT_EQ(x(solve(0), 2), 5);
+  EXPECT_NEAR(x(solve(1), 1), 3, 1e-9);
+  EXPECT_EQ(x(solve(2), 1), 0);  // held, for nothing else fixes it
+  EXPECT_NEAR(x(solve(2), 2), 1, 1e-9);
+  EXPECT_NEAR(x(solve(kAllLevels), 1), 2, 1e-9);
+  EXPECT_NEAR(x(solve(kAllLevels), 2), 3, 1e-9);
+  EXPECT_EQ(solve(7), g.values);  // none has this level
+  EXPECT_THROW(g.graph.setLevel(0, 0, -1), Error);
+  Graph::EdgeSpec spec;
+  spec.type = testRegistry().edge("TEST_PRIOR");
+  spec.vertices = {g.graph.find(1)};
+  spec.measurement = {0, 0};
+  spec.level = -3;
+  EXPECT_THROW(g.graph.addEdge(spec), Error);
+}
+
 TEST(Optimize, StopsWhenAsked) {
   const auto parts = makePoseGraph(40, 0.1, 0.3, 2);
   SolveOptions options;
@@ -300,6 +339,14 @@ TEST(Optimize, RefusesBadOptions) {
   options = {};
   options.initial_damping = 0;
   expectUsage(options, "initial_damping");
+  options = {};
+  options.level = -2;
+  expectUsage(options, "level");
+  for (const double probability : {0.0, 1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    options = {};
+    options.graduation.inlier_probability = probability;
+    expectUsage(options, "inlier_probability");
+  }
 }
 
 TEST(ThreadPool, RunsEveryPieceOnceAndPassesOnTheFirstError) {
