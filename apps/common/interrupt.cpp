@@ -5,6 +5,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "apps/common/last_words.hpp"
+
 namespace graft {
 
 namespace {
@@ -12,18 +14,22 @@ namespace {
 std::atomic<int> received{0};
 static_assert(std::atomic<int>::is_always_lock_free, "used in a signal handler");
 
-std::atomic<long> first_seconds{0};
+std::atomic<long> first_time{0};  // ms
 static_assert(std::atomic<long>::is_always_lock_free, "used in a signal handler");
+
+// Programs like timeout(1) signal a process and then its group, at once: only a later
+// signal is a second wish.
+constexpr long kApart = 500;  // ms
 
 void handle(int signal) {
   timespec now = {};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
+  const long milliseconds = now.tv_sec * 1000 + now.tv_nsec / 1000000;
   int none = 0;
   if (received.compare_exchange_strong(none, signal)) {
-    first_seconds = now.tv_sec;
-  } else if (now.tv_sec - first_seconds >= 2) {
-    // Programs like timeout(1) signal a process and then its group: only a
-    // later signal is a second wish.
+    first_time = milliseconds;
+  } else if (milliseconds - first_time >= kApart) {
+    sayActivity("was running when a second signal ended the program");
     ::_exit(128 + signal);
   }
 }

@@ -8,7 +8,7 @@
 namespace graft {
 
 /// Makes SIGINT, SIGTERM and SIGHUP set a flag that long work polls; another one
-/// two seconds later ends the process at once. A broken pipe becomes a write error.
+/// half a second later ends the process at once. A broken pipe becomes a write error.
 void installInterruptHandlers();
 
 /// 0, or the signal that arrived.

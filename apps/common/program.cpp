@@ -6,6 +6,7 @@
 #include <new>
 
 #include "apps/common/interrupt.hpp"
+#include "apps/common/last_words.hpp"
 
 #ifndef GRAFT_VERSION
 #define GRAFT_VERSION "unknown"
@@ -34,7 +35,7 @@ CLI::App* Program::add(const std::string& name, const std::string& description, 
   return command;
 }
 
-ExitCode Program::parseAndRun(int argc, char** argv) {
+ExitCode Program::run(int argc, char** argv) {
   try {
     app_.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -46,25 +47,43 @@ ExitCode Program::parseAndRun(int argc, char** argv) {
   return ExitCode::kUsage;
 }
 
-int Program::main(int argc, char** argv) {
-  installInterruptHandlers();
-  ExitCode code = ExitCode::kInternal;
+namespace {
+
+void printError(const Error& error) {
   try {
-    code = parseAndRun(argc, argv);
+    std::fprintf(stderr, "%s\n", error.formatted().c_str());
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+  }
+}
+
+/// Turns every way out of `body` into an exit code.
+ExitCode guarded(ExitCode (*body)(int, char**), int argc, char** argv) {
+  try {
+    return body(argc, argv);
   } catch (const Error& e) {
-    std::fprintf(stderr, "%s\n", e.formatted().c_str());
-    code = e.code();
+    printError(e);
+    return e.code();
   } catch (const std::bad_alloc&) {
     std::fputs("error: out of memory\n", stderr);
-    code = ExitCode::kResources;
+    return ExitCode::kResources;
   } catch (const std::length_error&) {
     std::fputs("error: out of memory\n", stderr);
-    code = ExitCode::kResources;
+    return ExitCode::kResources;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "error: internal error: %s\n", e.what());
   } catch (...) {
     std::fputs("error: internal error\n", stderr);
   }
+  return ExitCode::kInternal;
+}
+
+}  // namespace
+
+int runProgram(ExitCode (*body)(int, char**), int argc, char** argv) {
+  installInterruptHandlers();
+  installLastWords();
+  ExitCode code = guarded(body, argc, argv);
   std::cout.flush();
   if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0 || !std::cout) &&
       code == ExitCode::kSuccess) {

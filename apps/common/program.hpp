@@ -22,18 +22,19 @@ class Program {
   CLI::App* add(const std::string& name, const std::string& description, Run run);
   void setFooter(const std::string& text) { app_.footer(text); }
 
-  /// Reads the command line, runs the chosen subcommand and turns every way out
-  /// into an exit code: Error by its code with `path:line:column: error: text`
-  /// on standard error, memory exhaustion 6, anything else 1. A standard output
-  /// that could not be written is 5.
-  int main(int argc, char** argv);
+  /// Reads the command line and runs the chosen subcommand.
+  ExitCode run(int argc, char** argv);
 
  private:
-  ExitCode parseAndRun(int argc, char** argv);
-
   CLI::App app_;
   std::vector<std::pair<CLI::App*, Run>> commands_;
 };
+
+/// What a main() does: installs the handlers of signals, runs `body` and turns every way
+/// out of it into an exit code: Error by its code with `path:line:column: error: text`
+/// on standard error, memory exhaustion 6, anything else 1. A standard output that could
+/// not be written is 5.
+int runProgram(ExitCode (*body)(int, char**), int argc, char** argv);
 
 /// Prints collected messages on standard error.
 void printMessages(const Diagnostics& diagnostics);

@@ -99,26 +99,6 @@ void printSome(const List& list, const Line& line) {
   }
 }
 
-/// Names of a vertex's tangent numbers where they are its own, else their places.
-std::string describeDirection(const graft_vertex_type& type, const Eigen::VectorXd& direction) {
-  std::vector<std::string> names;
-  LineTokens fields(type.fields == nullptr ? "" : type.fields);
-  for (std::string_view name = fields.next(); !name.empty(); name = fields.next()) {
-    names.emplace_back(name);
-  }
-  std::string text;
-  for (Eigen::Index i = 0; i < direction.size(); ++i) {
-    if (std::abs(direction[i]) < 1e-3) continue;
-    char part[64];
-    const bool named = type.ambient_dim == type.tangent_dim && names.size() > std::size_t(i);
-    const std::string name = named ? names[std::size_t(i)] : "tangent " + std::to_string(i + 1);
-    std::snprintf(part, sizeof part, "%s%.3g %s", text.empty() ? "" : ", ", direction[i],
-                  name.c_str());
-    text += part;
-  }
-  return text;
-}
-
 void printWeights(const Problem& problem) {
   const std::vector<OddWeight> odd = findOddWeights(problem);
   std::printf("%8zu edges whose weight is off the median of their tag by more than %g times\n",
@@ -141,9 +121,7 @@ void printFreeDirections(const Problem& problem, const Values& values) {
   const std::vector<FreeDirection> free = findFreeDirections(problem, values);
   std::printf("%8zu directions that no edge determines\n", free.size());
   printSome(free, [&](const FreeDirection& one) {
-    std::printf("  %s is free along (%s)%s\n", problem.describeVertex(one.vertex).c_str(),
-                describeDirection(problem.graph().type(one.vertex), one.direction).c_str(),
-                one.share > 0.9 ? "" : ", together with others");
+    std::printf("  %s\n", describe(problem, one).c_str());
   });
 }
 

@@ -16,6 +16,7 @@ void addOptimize(Program& program, Clock::time_point start);
 void addCheck(Program& program);
 void addCheckPlugin(Program& program);
 void addConvert(Program& program);
+void addEvaluate(Program& program);
 void addPlugins(Program& program);
 void addSimulate(Program& program);
 void addTypes(Program& program);

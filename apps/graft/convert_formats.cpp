@@ -153,6 +153,8 @@ Converted formatToro(const LoadedGraph& loaded) {
       if (!appendToroEdge(block.type->tag, ids, z, upper, out)) {
         ++converted.left_out[block.type->tag];
       }
+      if (block.kernels[e] >= 0) ++converted.left_out["ROBUST_KERNEL"];
+      if (block.levels[e] != 0) ++converted.left_out["G2O_EDGE_LEVEL"];
     }
   }
   return converted;

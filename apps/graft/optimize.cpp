@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <cstdio>
 #include <map>
 
 #include "apps/common/interrupt.hpp"
+#include "apps/common/last_words.hpp"
 #include "apps/common/progress.hpp"
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
 #include "apps/graft/optimize_report.hpp"
+#include "apps/graft/robust_options.hpp"
 #include "core/base/file.hpp"
 #include "core/base/text.hpp"
 #include "core/io/g2o_writer.hpp"
@@ -24,9 +25,9 @@ struct OptimizeOptions {
   std::string output;
   std::string json;
   std::string covariance;
-  std::string kernel;
+  std::string guess = "auto";
+  RobustOptions robust;
   std::string threads = "all";
-  double kernel_width = 1.0;
   SolveOptions solve;
 };
 
@@ -45,9 +46,6 @@ int threadCount(const std::string& text) {
 }
 
 void refuseContradictions(const OptimizeOptions& options) {
-  if (!(std::isfinite(options.kernel_width) && options.kernel_width > 0)) {
-    throw Error(ExitCode::kUsage, "--kernel-width: expected a positive number");
-  }
   int wanting = 0;
   for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
     if (*path == "-") ++wanting;
@@ -57,16 +55,6 @@ void refuseContradictions(const OptimizeOptions& options) {
   }
 }
 
-const graft_kernel_type* requireKernel(Engine& engine, const std::string& name) {
-  if (name.empty()) return nullptr;
-  const graft_kernel_type* kernel = engine.registry().kernel(name);
-  if (kernel == nullptr) {
-    throw Error(ExitCode::kUsage,
-                "unknown robust kernel " + graft::quoted(name) + knownNames(engine, Kind::kKernel));
-  }
-  return kernel;
-}
-
 void requireSolver(Engine& engine, const std::string& name) {
   if (name == "block" || engine.registry().solver(name) != nullptr) return;
   std::string known = knownNames(engine, Kind::kSolver);
@@ -74,7 +62,30 @@ void requireSolver(Engine& engine, const std::string& name) {
   throw Error(ExitCode::kUsage, "unknown linear solver " + graft::quoted(name) + known);
 }
 
-Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
+/// Sets the guess by its name, built in or of a plugin.
+void setGuess(Engine& engine, const std::string& name, SolveOptions& options) {
+  const std::map<std::string, InitialGuess> built_in = {
+      {"auto", InitialGuess::kAuto},
+      {"file", InitialGuess::kFile},
+      {"spanning-tree", InitialGuess::kSpanningTree},
+      {"chordal", InitialGuess::kChordal}};
+  const auto found = built_in.find(name);
+  if (found != built_in.end()) {
+    options.initial_guess = found->second;
+    return;
+  }
+  if (engine.registry().guess(name) == nullptr) {
+    std::string known = knownNames(engine, Kind::kGuess);
+    known = known.empty() ? ")" : ", " + known.substr(9);
+    throw Error(ExitCode::kUsage, "--initial-guess: unknown initial guess " + graft::quoted(name) +
+                                      " (known: auto, file, spanning-tree, chordal" + known);
+  }
+  options.initial_guess = InitialGuess::kPlugin;
+  options.guess_name = name;
+}
+
+Summary solve(const Graph& graph, Values& values, Engine& engine, SolveOptions options) {
+  const Watchdog watchdog(options.time_limit);
   ProgressBar bar("optimize", options.iterations);
   options.interrupt = &interruptFlag();
   options.callback = [&bar](const IterationRecord& record, const Values&) {
@@ -83,24 +94,24 @@ Summary solve(LoadedGraph& loaded, Engine& engine, SolveOptions options) {
     bar.update(record.iteration, text);
     return true;
   };
-  return optimize(loaded.graph, loaded.values, engine.registry(), options);
+  return optimize(graph, values, engine.registry(), options);
 }
 
 /// One line a vertex by rising id: tag, id, upper triangle of the covariance in
 /// its tangent, row by row.
-std::string formatCovariances(const LoadedGraph& loaded, Engine& engine) {
-  const std::vector<VertexRef> vertices = loaded.graph.verticesById();
+std::string formatCovariances(const Graph& graph, const Values& values,
+                              const CovarianceOptions& options) {
+  const std::vector<VertexRef> vertices = graph.verticesById();
   const std::vector<Eigen::MatrixXd> covariances =
-      marginalCovariances(loaded.graph, loaded.values, engine.registry(), vertices);
+      marginalCovariances(graph, values, vertices, options);
   std::string out;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    out += std::string(loaded.graph.type(vertices[i]).tag) + ' ' +
-           std::to_string(loaded.graph.id(vertices[i]));
+    out += std::string(graph.type(vertices[i]).tag) + ' ' + std::to_string(graph.id(vertices[i]));
     const Eigen::MatrixXd& covariance = covariances[i];
     for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
       for (Eigen::Index c = r; c < covariance.cols(); ++c) {
         out += ' ';
-        appendDouble(out, covariance(r, c));
+        appendDouble(out, covariance(r, c) + 0.0);  // no -0
       }
     }
     out += '\n';
@@ -108,39 +119,50 @@ std::string formatCovariances(const LoadedGraph& loaded, Engine& engine) {
   return out;
 }
 
-ExitCode run(const OptimizeOptions& options, Clock::time_point start) {
+ExitCode run(OptimizeOptions& options, Clock::time_point start) {
   refuseContradictions(options);
   SolveOptions solve_options = options.solve;
   solve_options.threads = threadCount(options.threads);
   if (options.engine.information == "project") {
     solve_options.information = InformationPolicy::kProject;
   }
-  const std::string invalid = solve_options.validate();
-  if (!invalid.empty()) throw Error(ExitCode::kUsage, invalid);
   for (const std::string* path : {&options.output, &options.json, &options.covariance}) {
     if (!path->empty() && *path != "-") checkWritable(*path);
   }
   const auto engine = makeEngine(options.engine);
   requireSolver(*engine, solve_options.linear_solver);
-  const graft_kernel_type* kernel = requireKernel(*engine, options.kernel);
+  setGuess(*engine, options.guess, solve_options);
+  options.robust.resolve(*engine, solve_options);
+  const std::string invalid = solve_options.validate();
+  if (!invalid.empty()) throw Error(ExitCode::kUsage, invalid);
 
   RunTimes times;
   const auto load_start = Clock::now();
   LoadedGraph loaded = loadAndReport(options.input, *engine, options.engine);
-  if (kernel != nullptr) loaded.graph.setKernel({kernel, options.kernel_width});
+  // What options say about kernels holds for this run; the output keeps the file's.
+  std::unique_ptr<Graph> with_kernels;
+  if (options.robust.givesKernels()) {
+    with_kernels = std::make_unique<Graph>(loaded.graph);
+    options.robust.applyKernels(*with_kernels);
+  }
+  const Graph& graph = with_kernels != nullptr ? *with_kernels : loaded.graph;
   times.load = secondsSince(load_start);
 
-  const Summary summary = solve(loaded, *engine, solve_options);
+  const Summary summary = solve(graph, loaded.values, *engine, solve_options);
   for (const std::string& note : summary.notes) printMessage("note", note);
 
   const auto write_start = Clock::now();
+  options.robust.markSwitchedOff(summary, loaded.graph);
   if (!options.output.empty() && summary.usable()) {
     writeFileAtomically(options.output,
                         formatG2o(loaded.graph, loaded.values,
                                   {directoryOf(options.input), directoryOf(options.output)}));
   }
   if (!options.covariance.empty() && summary.usable()) {
-    writeFileAtomically(options.covariance, formatCovariances(loaded, *engine));
+    writeFileAtomically(
+        options.covariance,
+        formatCovariances(solvedGraph(graph, solve_options.level, summary), loaded.values,
+                          {solve_options.information, solve_options.threads}));
   }
   times.write = secondsSince(write_start);
   times.total = secondsSince(start);
@@ -184,28 +206,15 @@ void addOptimize(Program& program, Clock::time_point start) {
                    "block, or a plugin's solver; see 'graft plugins'")
       ->capture_default_str();
   options->engine.addPluginOption(*command);
-  CLI::Option* kernel =
-      command->add_option("--robust-kernel", options->kernel,
-                          "Put a robust kernel on all edges, e.g. Huber; see 'graft plugins'");
+  options->robust.addTo(*command);
   command
-      ->add_option("--kernel-width", options->kernel_width,
-                   "Its width (Huber: errors beyond it count linearly)")
-      ->needs(kernel)
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  const std::map<std::string, InitialGuess> guesses = {
-      {"auto", InitialGuess::kAuto},
-      {"file", InitialGuess::kFile},
-      {"spanning-tree", InitialGuess::kSpanningTree},
-      {"chordal", InitialGuess::kChordal}};
-  command
-      ->add_option("--initial-guess", solve.initial_guess,
+      ->add_option("--initial-guess", options->guess,
                    "file, spanning-tree, chordal (rotations as free matrices by least squares, "
-                   "projected, then translations), or auto (default): the lowest initial chi2 "
-                   "wins; chordal takes part where the others' is above 10 per measured number and "
-                   "rotations are measured around loops")
+                   "projected, then translations), a plugin's guess (see 'graft types'), or auto: "
+                   "the lowest initial chi2 wins; chordal takes part where the others' is above 10 "
+                   "per measured number and rotations are measured around loops")
       ->type_name("NAME")
-      ->transform(CLI::CheckedTransformer(guesses).description(""));
+      ->capture_default_str();
   options->engine.addLoadOptions(*command);
   command->add_option("--time-limit", solve.time_limit, "Stop after this many seconds, 0 = never")
       ->check(CLI::NonNegativeNumber)

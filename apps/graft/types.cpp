@@ -86,6 +86,12 @@ bool show(Registry& registry, const Provided& one) {
         return true;
       }
       return false;
+    case Kind::kGuess:
+      if (const graft_guess_type* type = registry.guess(one.name)) {
+        std::printf("guess %s: %s\n", type->name, type->doc);
+        return true;
+      }
+      return false;
   }
   return false;
 }
@@ -101,8 +107,7 @@ ExitCode run(const EngineOptions& options, const std::string& tag) {
   }
   bool found = false;
   std::string advice;
-  for (const Kind kind :
-       {Kind::kVertex, Kind::kEdge, Kind::kResource, Kind::kKernel, Kind::kSolver, Kind::kLoader}) {
+  for (const Kind kind : kAllKinds) {
     if (show(registry, {kind, tag})) {
       found = true;
     } else if (advice.empty()) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/graft_lfd/commands.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+graft::ExitCode run(int argc, char** argv) {
   using namespace graft::lfd;
   graft::Program program("graft-lfd",
                          "Learns mobile manipulation from human demonstrations: from recorded "
@@ -18,5 +20,9 @@ int main(int argc, char** argv) {
   addReproduce(program);
   addEvaluate(program);
   addReport(program);
-  return program.main(argc, argv);
+  return program.run(argc, argv);
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return graft::runProgram(&run, argc, argv); }

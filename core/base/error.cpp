@@ -1,24 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/base/error.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace graft {
 
 namespace {
 
+/// Bytes of a character in UTF-8 that may be shown at the begin of a text; 0 if what
+/// stands there is none: malformed, or a control character (C0, DEL, C1).
+std::size_t shownCharacter(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7f ? 1 : 0;
+  const std::size_t size = byte(0) >= 0xf0 ? 4 : byte(0) >= 0xe0 ? 3 : 2;
+  if (byte(0) < 0xc2 || byte(0) > 0xf4 || text.size() < size) return 0;
+  for (std::size_t i = 1; i < size; ++i) {
+    if (byte(i) < 0x80 || byte(i) > 0xbf) return 0;
+  }
+  return byte(0) == 0xc2 && byte(1) < 0xa0 ? 0 : size;
+}
+
 std::string escaped(std::string_view text) {
   std::string out;
   out.reserve(text.size());
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) {
+  while (!text.empty()) {
+    const std::size_t shown = shownCharacter(text);
+    if (shown == 0) {
       char buffer[8];
-      std::snprintf(buffer, sizeof buffer, "\\x%02x", byte);
+      std::snprintf(buffer, sizeof buffer, "\\x%02x", static_cast<unsigned char>(text[0]));
       out += buffer;
     } else {
-      out += c;
+      out += text.substr(0, shown);
     }
+    text.remove_prefix(std::max<std::size_t>(shown, 1));
   }
   return out;
 }

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -17,6 +18,8 @@ namespace graft {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::size_t kDeviceLimit = std::size_t{1} << 26;
 
 [[noreturn]] void failInput(const std::string& path, const std::string& why) {
   throw Error(ExitCode::kInput, {path, 0, 0}, why);
@@ -104,6 +107,8 @@ std::string readFile(const std::string& path, std::size_t limit) {
   if (::fstat(file.get(), &status) == 0 && S_ISDIR(status.st_mode)) {
     failInput(name, "is a directory, expected a file");
   }
+  // A device may have no end (/dev/zero); files and pipes have one.
+  if (S_ISCHR(status.st_mode)) limit = std::min(limit, kDeviceLimit);
   std::string content;
   if (S_ISREG(status.st_mode)) content.reserve(static_cast<std::size_t>(status.st_size) + 1);
   std::string buffer(std::size_t{1} << 20, '\0');

@@ -9,7 +9,7 @@ namespace graft {
 
 /// Reads a whole regular file (or "-" = standard input) into memory.
 /// Throws Error(kInput) naming the path where it is missing, unreadable or a
-/// directory, and Error(kResources) beyond `limit` bytes.
+/// directory, and Error(kResources) beyond `limit` bytes (64 MiB of a device).
 std::string readFile(const std::string& path, std::size_t limit = std::size_t{1} << 36);
 
 /// Writes `content` so that `path` holds either its old or its complete new

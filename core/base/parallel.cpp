@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -60,7 +61,13 @@ ThreadPool::ThreadPool(int threads) : threads_(threads) {
   if (threads_ <= 0) threads_ = std::max(1, int(std::thread::hardware_concurrency()));
   if (threads_ == 1) return;
   shared_ = std::make_unique<Shared>();
-  for (int i = 1; i < threads_; ++i) shared_->workers.emplace_back([this] { shared_->serve(); });
+  try {
+    shared_->workers.reserve(std::size_t(threads_ - 1));
+    for (int i = 1; i < threads_; ++i) shared_->workers.emplace_back([this] { shared_->serve(); });
+  } catch (const std::system_error&) {
+    // The system gives no more threads: those there are do the work, to the same result.
+    threads_ = 1 + int(shared_->workers.size());
+  }
 }
 
 ThreadPool::~ThreadPool() {

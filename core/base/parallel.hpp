@@ -12,7 +12,8 @@ namespace graft {
 /// number of threads as long as a piece writes only what belongs to it.
 class ThreadPool {
  public:
-  /// `threads` in all, the caller included; 0 = one per processor.
+  /// `threads` in all, the caller included; 0 = one per processor. Fewer where the
+  /// system gives no more.
   explicit ThreadPool(int threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;

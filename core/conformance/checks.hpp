@@ -43,5 +43,6 @@ void addKernelChecks(const Context& context, const graft_kernel_type& type, Chec
 void addSolverChecks(const Context& context, const graft_solver_type& type, Checks& checks);
 void addResourceChecks(const Context& context, const graft_resource_type& type, Checks& checks);
 void addLoaderChecks(const Context& context, const graft_loader_type& type, Checks& checks);
+void addGuessChecks(const Context& context, const graft_guess_type& type, Checks& checks);
 
 }  // namespace graft::conformance

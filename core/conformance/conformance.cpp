@@ -50,6 +50,7 @@ Checks checksOf(const Context& context, const Provided& type) {
   if (type.kind == Kind::kSolver) addSolverChecks(context, *registry.solver(name), checks);
   if (type.kind == Kind::kResource) addResourceChecks(context, *registry.resource(name), checks);
   if (type.kind == Kind::kLoader) addLoaderChecks(context, *registry.loader(name), checks);
+  if (type.kind == Kind::kGuess) addGuessChecks(context, *registry.guess(name), checks);
   return checks;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -43,9 +44,9 @@ void FactorGraph::addVertex(const std::string& tag, std::int64_t id, std::vector
   graph_.addVertex(type, id, estimate.empty() ? nullptr : estimate.data(), values_);
 }
 
-void FactorGraph::addEdge(const std::string& tag, const std::vector<std::int64_t>& vertices,
-                          std::vector<double> measurement, std::vector<double> information,
-                          const std::vector<std::int64_t>& resources) {
+EdgeId FactorGraph::addEdge(const std::string& tag, const std::vector<std::int64_t>& vertices,
+                            std::vector<double> measurement, std::vector<double> information,
+                            const std::vector<std::int64_t>& resources) {
   Graph::EdgeSpec spec;
   spec.type = &require(registry_.edge(tag), registry_, {Kind::kEdge, tag});
   for (const std::int64_t id : vertices) spec.vertices.push_back(at(id));
@@ -56,7 +57,7 @@ void FactorGraph::addEdge(const std::string& tag, const std::vector<std::int64_t
   }
   spec.measurement = std::move(measurement);
   spec.information = std::move(information);
-  graph_.addEdge(std::move(spec));
+  return graph_.addEdge(std::move(spec));
 }
 
 void FactorGraph::addResource(const std::string& tag, std::int64_t id,
@@ -66,8 +67,9 @@ void FactorGraph::addResource(const std::string& tag, std::int64_t id,
   std::vector<const char*> texts;
   for (const std::string& token : tokens) texts.push_back(token.c_str());
   graft_message message = {};
-  const void* data =
-      type.load(directory.c_str(), std::int32_t(texts.size()), texts.data(), &message);
+  const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
+    return type.load(directory.c_str(), std::int32_t(texts.size()), texts.data(), &message);
+  });
   if (data == nullptr) reject(tag + " " + std::to_string(id) + ": " + message.text);
   graph_.addResource(type, id, std::move(tokens), std::shared_ptr<const void>(data, type.destroy));
 }
@@ -95,7 +97,10 @@ void FactorGraph::setEstimate(std::int64_t id, const std::vector<double>& number
   }
   std::vector<double> valid = numbers;
   graft_message message = {};
-  if (type.normalize(valid.data(), &message) != GRAFT_OK) reject(what + ": " + message.text);
+  if (callPlugin(Callback::kNormalize, type.tag, message,
+                 [&] { return type.normalize(valid.data(), &message); }) != GRAFT_OK) {
+    reject(what + ": " + message.text);
+  }
   std::copy(valid.begin(), valid.end(), values_.at(v));
 }
 

@@ -20,9 +20,12 @@ class FactorGraph {
   void addVertex(const std::string& tag, std::int64_t id, std::vector<double> estimate = {});
   /// `information`: upper triangle row by row, empty = identity. `resources`:
   /// ids given to addResource().
-  void addEdge(const std::string& tag, const std::vector<std::int64_t>& vertices,
-               std::vector<double> measurement, std::vector<double> information = {},
-               const std::vector<std::int64_t>& resources = {});
+  EdgeId addEdge(const std::string& tag, const std::vector<std::int64_t>& vertices,
+                 std::vector<double> measurement, std::vector<double> information = {},
+                 const std::vector<std::int64_t>& resources = {});
+  void removeEdge(EdgeId edge) { graph_.removeEdges({edge}); }
+  /// Removes the edges that touch it, too; returns how many.
+  std::size_t removeVertex(std::int64_t id) { return graph_.removeVertices({id}, values_); }
   /// `tokens` as in a file; relative file names are relative to `directory`.
   void addResource(const std::string& tag, std::int64_t id, std::vector<std::string> tokens,
                    const std::string& directory = ".");

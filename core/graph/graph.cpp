@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/base/error.hpp"
+#include "core/types/plugin_call.hpp"
 #include "core/types/registry.hpp"
-#include "core/types/vertex.hpp"
 
 namespace graft {
 
@@ -18,6 +18,11 @@ void requireFinite(const double* numbers, std::size_t count, const std::string& 
   for (std::size_t i = 0; i < count; ++i) {
     if (!std::isfinite(numbers[i])) reject(what + " has a number that is not finite");
   }
+}
+
+void requireLevel(std::int32_t level) {
+  if (level < 0)
+    reject("the level of an edge is " + std::to_string(level) + ", but must be 0 or more");
 }
 
 }  // namespace
@@ -51,16 +56,19 @@ VertexRef Graph::addVertex(const graft_vertex_type& type, std::int64_t id, const
   }
   std::vector<double> numbers(std::size_t(type.ambient_dim));
   if (estimate == nullptr) {
-    type.identity(numbers.data());
+    callPlugin(Callback::kIdentity, type.tag, [&] { type.identity(numbers.data()); });
+    requireFinite(numbers.data(), numbers.size(),
+                  std::string("the identity of ") + type.tag + ofPlugin(type.tag));
   } else {
     std::copy(estimate, estimate + type.ambient_dim, numbers.begin());
     requireFinite(estimate, numbers.size(), "vertex " + std::to_string(id));
     graft_message message = {};
     // Callbacks must not throw; one that does all the same refuses the numbers.
-    if (detail::guarded(&message, [&] { return type.normalize(numbers.data(), &message); }) !=
-        GRAFT_OK) {
+    if (callPlugin(Callback::kNormalize, type.tag, message,
+                   [&] { return type.normalize(numbers.data(), &message); }) != GRAFT_OK) {
       reject(std::string(type.tag) + " " + std::to_string(id) + ": " + message.text);
     }
+    requireFinite(numbers.data(), numbers.size(), "vertex " + std::to_string(id) + ", normalised,");
   }
   VertexRef v;
   v.type = vertexBlockOf(type, values);
@@ -84,13 +92,9 @@ void Graph::checkEdge(EdgeSpec& spec, int& error_dim) const {
   error_dim = type.error_dim;
   if (type.arity == GRAFT_DYNAMIC) {
     graft_message message = {};
-    std::int32_t errors = 0;
-    std::int32_t measurements = 0;
-    if (arity == 0 || type.shape(arity, &errors, &measurements, &message) != GRAFT_OK) {
+    if (!edgeShape(type, arity, error_dim, measurement_dim, message)) {
       fail("with " + std::to_string(arity) + " vertices: " + message.text);
     }
-    error_dim = errors;
-    measurement_dim = measurements;
   } else if (arity != type.arity) {
     fail("needs " + std::to_string(type.arity) + " vertices, got " + std::to_string(arity));
   }
@@ -129,9 +133,10 @@ void Graph::checkEdge(EdgeSpec& spec, int& error_dim) const {
   const auto normalize = [&] {
     return type.normalize(measurement_dim, spec.measurement.data(), &message);
   };
-  if (detail::guarded(&message, normalize) != GRAFT_OK) {
+  if (callPlugin(Callback::kNormalize, type.tag, message, normalize) != GRAFT_OK) {
     fail(std::string("measurement: ") + message.text);
   }
+  requireFinite(spec.measurement.data(), spec.measurement.size(), type.tag);
   const std::int64_t entries = triangleSize(error_dim);
   if (spec.information.empty()) {
     for (int r = 0; r < error_dim; ++r) {
@@ -142,9 +147,10 @@ void Graph::checkEdge(EdgeSpec& spec, int& error_dim) const {
          std::to_string(spec.information.size()));
   }
   requireFinite(spec.information.data(), spec.information.size(), type.tag);
+  requireLevel(spec.level);
 }
 
-void Graph::addEdge(EdgeSpec spec) {
+EdgeId Graph::addEdge(EdgeSpec spec) {
   int error_dim = 0;
   checkEdge(spec, error_dim);
   EdgeBlock& block = edgeBlockOf(*spec.type);
@@ -159,7 +165,10 @@ void Graph::addEdge(EdgeSpec spec) {
   block.information_begin.push_back(std::int64_t(block.information.size()));
   block.resources.insert(block.resources.end(), spec.resources.begin(), spec.resources.end());
   block.kernels.push_back(spec.kernel);
+  block.levels.push_back(spec.level);
   block.lines.push_back(spec.line);
+  block.ids.push_back(next_edge_);
+  return next_edge_++;
 }
 
 std::int32_t Graph::addResource(const graft_resource_type& type, std::int64_t id,
@@ -192,6 +201,19 @@ void Graph::setKernel(const Kernel& kernel, const std::string& tag) {
       std::fill(block.kernels.begin(), block.kernels.end(), index);
     }
   }
+}
+
+void Graph::clearKernels(const std::string& tag) {
+  for (EdgeBlock& block : edge_blocks_) {
+    if (tag.empty() || tag == block.type->tag) {
+      std::fill(block.kernels.begin(), block.kernels.end(), -1);
+    }
+  }
+}
+
+void Graph::setLevel(std::size_t block, std::size_t edge, std::int32_t level) {
+  requireLevel(level);
+  edge_blocks_[block].levels[edge] = level;
 }
 
 void Graph::setFixed(VertexRef v, bool fixed) {

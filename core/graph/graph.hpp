@@ -17,6 +17,9 @@ struct Kernel {
   double width = 1.0;
 };
 
+/// What names an edge as long as its graph lives; rises with every edge.
+using EdgeId = std::int64_t;
+
 /// All vertices of one type.
 struct VertexBlock {
   const graft_vertex_type* type = nullptr;
@@ -38,7 +41,9 @@ struct EdgeBlock {
   std::vector<double> information;      ///< upper triangle, row by row, as given
   std::vector<std::int32_t> resources;  ///< resource_count indices per edge
   std::vector<std::int32_t> kernels;    ///< index into Graph::kernels(), -1 = none
+  std::vector<std::int32_t> levels;     ///< 0 or more; a solve takes the edges of one level
   std::vector<std::int64_t> lines;
+  std::vector<EdgeId> ids;  ///< rising
 
   std::size_t size() const { return lines.size(); }
   int arity(std::size_t e) const { return int(vertex_begin[e + 1] - vertex_begin[e]); }
@@ -74,18 +79,31 @@ class Graph {
     std::vector<double> measurement;
     std::vector<double> information;
     std::int32_t kernel = -1;
+    std::int32_t level = 0;
     std::int64_t line = 0;
   };
   /// Checks arity, the vertex type of every slot, repeats, resource types and
   /// all dimensions, normalises the measurement. The information matrix is
   /// stored as given: factorInformation() judges it.
-  void addEdge(EdgeSpec spec);
+  EdgeId addEdge(EdgeSpec spec);
+
+  /// Takes edges out. Throws Error(kInput), and changes nothing, where one is not in
+  /// the graph. Costs a pass over all edges, so remove many at once.
+  void removeEdges(std::vector<EdgeId> edges);
+  /// Takes vertices and their estimates out, and all edges that touch them; returns how
+  /// many edges. References to other vertices (VertexRef) change, their ids do not.
+  /// Throws Error(kInput), and changes nothing, where a vertex is not in the graph.
+  std::size_t removeVertices(const std::vector<std::int64_t>& ids, Values& values);
 
   std::int32_t addResource(const graft_resource_type& type, std::int64_t id,
                            std::vector<std::string> tokens, std::shared_ptr<const void> data);
   std::int32_t addKernel(const Kernel& kernel);
   /// Puts one kernel on all edges, or on those of one tag.
   void setKernel(const Kernel& kernel, const std::string& tag = "");
+  /// Takes the kernels off all edges, or off those of one tag.
+  void clearKernels(const std::string& tag = "");
+  /// Puts an edge on a level: `edge` counts in edgeBlocks()[block].
+  void setLevel(std::size_t block, std::size_t edge, std::int32_t level);
   void setFixed(VertexRef v, bool fixed);
 
   /// The vertex with an id; type -1 if there is none.
@@ -117,6 +135,7 @@ class Graph {
   std::vector<Kernel> kernels_;
   std::unordered_map<std::int64_t, VertexRef> by_id_;
   std::unordered_map<std::int64_t, std::int32_t> resource_by_id_;
+  EdgeId next_edge_ = 0;
 };
 
 /// Number of entries of the upper triangle of an n x n matrix.

@@ -31,6 +31,18 @@ class Values {
     auto& array = arrays_[static_cast<std::size_t>(type)];
     array.numbers.insert(array.numbers.end(), numbers, numbers + array.dim);
   }
+  /// Drops the vertices of a type that are not marked; the others move up.
+  void keep(int type, const std::vector<char>& marked) {
+    auto& array = arrays_[static_cast<std::size_t>(type)];
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < marked.size(); ++i) {
+      if (marked[i] == 0) continue;
+      for (std::size_t k = 0; k < array.dim; ++k) {
+        array.numbers[next++] = array.numbers[i * array.dim + k];
+      }
+    }
+    array.numbers.resize(next);
+  }
   std::size_t dim(int type) const { return arrays_[static_cast<std::size_t>(type)].dim; }
   std::size_t typeCount() const { return arrays_.size(); }
   /// All numbers of a type, vertex after vertex.

@@ -43,19 +43,23 @@ class Reader {
     if (line_.size() > kLineLimit) {
       return fail(0, "the line is longer than " + std::to_string(kLineLimit) + " bytes");
     }
+    tag_ = name;
+    if (name == kKernelTag) return kernel(tokens);
+    if (name == kLevelTag) return level(tokens);
+    before_ = Before::kNoEdge;
     if (name == "FIX") return fix(tokens);
     char control = 0;
     if (hasControlByte(name, control)) return controlByte(tokens, control);
     const TagType& type = builder_.tag(name);
-    tag_ = name;
     bool good = true;
     if (type.vertex != nullptr) {
       good = vertex(tokens, type);
     } else if (type.edge != nullptr) {
-      edge(tokens, type);
+      before_ = edge(tokens, type) ? Before::kEdge : Before::kLostEdge;
     } else if (type.resource != nullptr) {
       good = resource(tokens, type);
     } else {
+      before_ = Before::kLostEdge;
       builder_.unknownTag(name, number_);
     }
     if (!good) builder_.definitionLost();
@@ -166,6 +170,44 @@ class Reader {
     } while (!tokens.atEnd());
   }
 
+  /// Whether a line that says something of the edge before it has one.
+  bool hasEdge() {
+    if (before_ == Before::kEdge) return true;
+    if (before_ == Before::kLostEdge) {
+      builder_.warning(number_, std::string(tag_) + " of a line that was not read, skipped");
+    } else {
+      fail(1, std::string(tag_) + " belongs behind the line of an edge");
+    }
+    return false;
+  }
+
+  void kernel(LineTokens& tokens) {
+    if (!hasEdge()) return;
+    const std::string_view name = tokens.next();
+    if (name.empty()) return fail(tokens.column(), "expected the name of a kernel, the line ends");
+    const std::int64_t column = tokens.column();
+    if (!numbers(tokens, 1, 1)) return;
+    if (!(numbers_[0] > 0)) {
+      return fail(
+          0, "the width of a robust kernel must be positive, got " + formatDouble(numbers_[0]));
+    }
+    builder_.setKernel(name, numbers_[0], number_, column);
+  }
+
+  void level(LineTokens& tokens) {
+    if (!hasEdge()) return;
+    const std::string_view token = tokens.next();
+    std::int64_t value = 0;
+    if (parseInteger(token, value) != NumberStatus::kOk || value < 0 ||
+        value > std::numeric_limits<std::int32_t>::max()) {
+      badToken(tokens, token,
+               token.empty() ? "expected a level, the line ends"
+                             : "expected a level from 0 to 2147483647, got " + quoted(token));
+      return;
+    }
+    if (lineEnds(tokens, 1)) builder_.setLevel(std::int32_t(value), number_);
+  }
+
   bool vertexIds(LineTokens& tokens, const graft_edge_type& edge_type) {
     ids_.clear();
     std::int64_t value = 0;
@@ -188,32 +230,33 @@ class Reader {
     }
   }
 
-  void edge(LineTokens& tokens, const TagType& type) {
+  bool edge(LineTokens& tokens, const TagType& type) {
     const graft_edge_type& edge_type = *type.edge;
-    if (!vertexIds(tokens, edge_type)) return;
+    if (!vertexIds(tokens, edge_type)) return false;
     const auto arity = int(ids_.size());
     for (int k = 0; k < edge_type.resource_count; ++k) {
       std::int64_t value = 0;
-      if (!id(tokens, value)) return;
+      if (!id(tokens, value)) return false;
       ids_.push_back(value);
     }
     std::int32_t error_dim = edge_type.error_dim;
     std::int32_t measurement_dim = edge_type.measurement_dim;
     if (edge_type.arity == GRAFT_DYNAMIC) {
       graft_message message = {};
-      if (arity == 0 ||
-          edge_type.shape(arity, &error_dim, &measurement_dim, &message) != GRAFT_OK) {
-        return fail(0, std::string(tag_) + " with " + std::to_string(arity) +
-                           " vertices: " + (arity == 0 ? "needs vertices" : message.text));
+      if (!edgeShape(edge_type, arity, error_dim, measurement_dim, message)) {
+        fail(0,
+             std::string(tag_) + " with " + std::to_string(arity) + " vertices: " + message.text);
+        return false;
       }
     }
     const auto entries = std::size_t(triangleSize(error_dim));
     const auto measured = std::size_t(measurement_dim);
-    if (!numbers(tokens, measured + entries, ids_.size())) return;
+    if (!numbers(tokens, measured + entries, ids_.size())) return false;
     builder_.addEdge(type,
                      {ids_.data(), arity, ids_.data() + arity, edge_type.resource_count,
                       numbers_.data(), measurement_dim, numbers_.data() + measured, int(entries)},
                      number_);
+    return true;
   }
 
   std::string_view text_;
@@ -224,6 +267,9 @@ class Reader {
   std::vector<std::int64_t> ids_;
   std::vector<double> numbers_;
   bool binary_ = false;
+  /// What the last line was that was no ROBUST_KERNEL or G2O_EDGE_LEVEL.
+  enum class Before { kNoEdge, kEdge, kLostEdge };
+  Before before_ = Before::kNoEdge;
 };
 
 /// Empty, or why the text is not one that this reader can read.

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/base/text.hpp"
+#include "core/io/g2o_reader.hpp"
 
 namespace graft {
 
@@ -117,7 +118,18 @@ class EdgeOrder {
     const int order =
         compareNumbers(measurement(a), measurement(b), std::size_t(block_.measurementDim(a)));
     if (order != 0) return order < 0;
-    return compareNumbers(information(a), information(b), informationCount(a)) < 0;
+    const int weights = compareNumbers(information(a), information(b), informationCount(a));
+    if (weights != 0) return weights < 0;
+    if (block_.levels[a] != block_.levels[b]) return block_.levels[a] < block_.levels[b];
+    return kernelLess(block_.kernels[a], block_.kernels[b]);
+  }
+
+  bool kernelLess(std::int32_t a, std::int32_t b) const {
+    if (a < 0 || b < 0) return a < b;
+    const Kernel& first = graph_.kernels()[std::size_t(a)];
+    const Kernel& second = graph_.kernels()[std::size_t(b)];
+    const int order = std::strcmp(first.type->name, second.type->name);
+    return order != 0 ? order < 0 : first.width < second.width;
   }
 
   const Graph& graph_;
@@ -137,6 +149,15 @@ void writeEdges(const Graph& graph, const EdgeBlock& block, std::string& out) {
     appendNumbers(out, edges.measurement(e), std::size_t(block.measurementDim(e)));
     appendNumbers(out, edges.information(e), edges.informationCount(e));
     out += '\n';
+    if (block.kernels[e] >= 0) {
+      const Kernel& kernel = graph.kernels()[std::size_t(block.kernels[e])];
+      out += std::string(kKernelTag) + ' ' + kernel.type->name;
+      appendNumbers(out, &kernel.width, 1);
+      out += '\n';
+    }
+    if (block.levels[e] != 0) {
+      out += std::string(kLevelTag) + ' ' + std::to_string(block.levels[e]) + '\n';
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/text.hpp"
 #include "core/io/information_check.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -135,11 +136,35 @@ void GraphBuilder::addResource(const TagType& type, std::int64_t id,
 
 void GraphBuilder::addEdge(const TagType& type, const EdgeNumbers& n, std::int64_t line) {
   edges_.push_back({&type, line, ids_.size(), numbers_.size(), n.arity, n.resource_count,
-                    n.measurement_count, n.information_count});
+                    n.measurement_count, n.information_count, -1, -1});
   ids_.insert(ids_.end(), n.vertices, n.vertices + n.arity);
   ids_.insert(ids_.end(), n.resources, n.resources + n.resource_count);
   numbers_.insert(numbers_.end(), n.measurement, n.measurement + n.measurement_count);
   numbers_.insert(numbers_.end(), n.information, n.information + n.information_count);
+}
+
+void GraphBuilder::setKernel(std::string_view name, double width, std::int64_t line,
+                             std::int64_t column) {
+  const std::string key(name);
+  const graft_kernel_type* kernel = registry_.kernel(key);
+  if (kernel == nullptr) {
+    return error(line, column,
+                 "unknown robust kernel " + quoted(name) + registry_.advice({Kind::kKernel, key}));
+  }
+  PendingEdge& edge = edges_.back();
+  if (edge.kernel >= 0) {
+    return error(line, 0,
+                 "the edge of line " + std::to_string(edge.line) + " has a robust kernel already");
+  }
+  edge.kernel = loaded_.graph.addKernel({kernel, width});
+}
+
+void GraphBuilder::setLevel(std::int32_t level, std::int64_t line) {
+  PendingEdge& edge = edges_.back();
+  if (edge.level >= 0) {
+    return error(line, 0, "the edge of line " + std::to_string(edge.line) + " has a level already");
+  }
+  edge.level = level;
 }
 
 void GraphBuilder::resolveResources() {
@@ -161,8 +186,9 @@ void GraphBuilder::resolveResources() {
     std::vector<const char*> tokens;
     for (const std::string& token : pending.tokens) tokens.push_back(token.c_str());
     graft_message message = {};
-    const void* data =
-        type.load(directory.c_str(), std::int32_t(tokens.size()), tokens.data(), &message);
+    const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
+      return type.load(directory.c_str(), std::int32_t(tokens.size()), tokens.data(), &message);
+    });
     if (data == nullptr) {
       definitionLost();
       error(pending.line, 0, name + ": " + message.text);
@@ -245,6 +271,8 @@ void GraphBuilder::resolveEdge(const PendingEdge& edge) {
   Graph::EdgeSpec spec;
   spec.type = &type;
   spec.line = edge.line;
+  spec.kernel = edge.kernel;
+  spec.level = std::max(edge.level, 0);
   const std::int64_t* ids = ids_.data() + edge.ids;
   spec.vertices.reserve(std::size_t(edge.arity));
   for (int k = 0; k < edge.arity; ++k) {

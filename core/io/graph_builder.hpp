@@ -49,6 +49,11 @@ class GraphBuilder {
   };
   void addEdge(const TagType& type, const EdgeNumbers& numbers, std::int64_t line);
 
+  /// The robust kernel, or level, of the edge that was added last. Reports an unknown
+  /// name, and an edge that has one already.
+  void setKernel(std::string_view name, double width, std::int64_t line, std::int64_t column);
+  void setLevel(std::int32_t level, std::int64_t line);
+
   /// Says that a vertex or resource could not be read: edges are then not
   /// checked, for their complaints would be echoes.
   void definitionLost() { definitions_good_ = false; }
@@ -75,6 +80,8 @@ class GraphBuilder {
     std::int32_t resource_count;
     std::int32_t measurement_count;
     std::int32_t information_count;
+    std::int32_t kernel = -1;
+    std::int32_t level = -1;
   };
   struct PendingResource {
     const TagType* type;

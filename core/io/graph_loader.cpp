@@ -8,6 +8,7 @@
 #include "core/base/file.hpp"
 #include "core/io/g2o_reader.hpp"
 #include "core/io/graph_builder.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -116,9 +117,10 @@ const graft_loader_type* findLoader(const std::string& path, Registry& registry)
   for (const Provided& one : registry.provided()) {
     if (one.kind != Kind::kLoader) continue;
     const graft_loader_type* loader = registry.loader(one.name);
-    if (loader->recognizes(path.c_str(), head.data(), std::int64_t(head.size())) == 1) {
-      return loader;
-    }
+    const int recognized = callPlugin(Callback::kLoadFile, loader->name, [&] {
+      return loader->recognizes(path.c_str(), head.data(), std::int64_t(head.size()));
+    });
+    if (recognized == 1) return loader;
   }
   return nullptr;
 }
@@ -148,7 +150,8 @@ LoadedGraph loadGraph(const std::string& path, Registry& registry, const LoadOpt
     format = loader->name;
     Sink sink(builder);
     const graft_graph_sink table = sink.table();
-    const int result = loader->load(path.c_str(), &table);
+    const int result = callPlugin(Callback::kLoadFile, loader->name,
+                                  [&] { return loader->load(path.c_str(), &table); });
     sink.rethrow();
     if (result != GRAFT_OK && diagnostics.errorCount() == 0) {
       diagnostics.error({path, 0, 0}, "the loader " + format + " failed without saying why");

@@ -133,7 +133,9 @@ class ContainedChild {
                                const std::function<void(ContainedChannel&)>& body) {
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) {
+    // The parent tells how the child ended: its own handlers stay out of it.
+    for (const int signal :
+         {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {
       ::signal(signal, SIG_DFL);
     }
     const int null = ::open("/dev/null", O_RDONLY);

@@ -16,9 +16,6 @@ namespace graft {
 
 namespace {
 
-constexpr Kind kKinds[] = {Kind::kVertex, Kind::kEdge,   Kind::kResource,
-                           Kind::kKernel, Kind::kSolver, Kind::kLoader};
-
 template <std::size_t N>
 std::string textOf(const char (&field)[N]) {
   return std::string(field, ::strnlen(field, N));
@@ -88,6 +85,8 @@ const char* metadataWord(Kind kind) {
       return "solver";
     case Kind::kLoader:
       return "loader";
+    case Kind::kGuess:
+      return "guess";
   }
   return "unknown";
 }
@@ -106,7 +105,7 @@ std::vector<Provided> parseMetadata(const std::string& text) {
   for (std::string line; std::getline(lines, line);) {
     const std::vector<std::string> parts = words(line);
     if (parts.size() < 2) continue;
-    for (const Kind kind : kKinds) {
+    for (const Kind kind : kAllKinds) {
       if (parts[0] == metadataWord(kind)) provides.push_back({kind, parts[1]});
     }
   }

@@ -41,7 +41,7 @@ std::string folderRefusal(const std::string& folder);
 std::string stampMismatch(const graft_abi_stamp& theirs);
 
 /// Text of the metadata section: one line "kind name" per thing provided, with
-/// kind one of vertex, edge, resource, kernel, solver, loader.
+/// kind one of vertex, edge, resource, kernel, solver, loader, guess.
 std::string formatMetadata(const std::vector<Provided>& provides);
 /// Reads it back; lines of unknown kind are left out.
 std::vector<Provided> parseMetadata(const std::string& text);

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/plugin/plugin_manager.hpp"
 
+#include <dirent.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <memory>
 
 #include "core/io/graph_loader.hpp"
 #include "core/plugin/plugin_library.hpp"
@@ -40,18 +45,24 @@ bool looksLikeFile(const std::string& text) {
 }  // namespace
 
 std::vector<std::string> pluginCandidates(const std::string& folder) {
-  std::error_code error;
+  // Not a directory_iterator: without memory for a name that would end the program.
+  const std::unique_ptr<DIR, int (*)(DIR*)> stream(::opendir(folder.c_str()), &::closedir);
+  const auto fail = [&folder] {
+    throw Error(ExitCode::kPlugin, {folder, 0, 0},
+                std::string("cannot list plugins: ") + std::strerror(errno));
+  };
+  if (!stream) fail();
   std::vector<std::string> files;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
+  for (;;) {
+    errno = 0;
+    const dirent* entry = ::readdir(stream.get());
+    if (entry == nullptr) break;
+    const std::string name = entry->d_name;
     if (startsWith(name, "libgraft_") && endsWith(name, ".so")) {
-      files.push_back(entry->path().string());
+      files.push_back((fs::path(folder) / name).string());
     }
   }
-  if (error) {
-    throw Error(ExitCode::kPlugin, {folder, 0, 0}, "cannot list plugins: " + error.message());
-  }
+  if (errno != 0) fail();
   std::sort(files.begin(), files.end());
   return files;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/per_thread.hpp"
+
 namespace graft {
 
 namespace {
@@ -14,10 +16,19 @@ constexpr double kPivotShare = 16 * std::numeric_limits<double>::epsilon();
 /// Fronts below this are not worth waking other threads for.
 constexpr double kFlopsWorthSharing = 4e6;
 
+/// The same in absorbed leaves of one front, and how many of them a piece of work has.
+constexpr std::size_t kLeavesWorthSharing = 128;
+constexpr std::int64_t kLeavesPerPiece = 64;
+
 }  // namespace
 
-void BlockCholesky::analyze(const graft_block_pattern& pattern) {
-  symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1);
+void BlockCholesky::analyze(const graft_block_pattern& pattern,
+                            const std::vector<std::int32_t>& order) {
+  // What is there makes room first.
+  factor_ = std::vector<double>();
+  updates_ = std::vector<double>();
+  symbolic_ = SymbolicFactor();
+  symbolic_ = analyzePattern(pattern, pool_ != nullptr && pool_->threads() > 1, order);
   dims_.assign(pattern.dims, pattern.dims + pattern.block_count);
   offsets_.assign(1, 0);
   for (const std::int32_t dim : dims_) offsets_.push_back(offsets_.back() + dim);
@@ -30,12 +41,13 @@ void BlockCholesky::analyze(const graft_block_pattern& pattern) {
 std::int32_t BlockCholesky::factorize(const double* values, const double* damping) {
   struct Failure {
     std::int32_t supernode = std::numeric_limits<std::int32_t>::max();
-    int column = -1;
+    std::int32_t block = -1;
   };
   std::vector<Failure> failures(symbolic_.tasks.size());
   const auto runTask = [&](std::int64_t task) {
     for (const std::int32_t i : symbolic_.tasks[std::size_t(task)]) {
-      const int bad = factorSupernode(std::size_t(i), values, damping, false);
+      if (symbolic_.supernodes[std::size_t(i)].absorbed) continue;
+      const std::int32_t bad = factorSupernode(std::size_t(i), values, damping, false);
       if (bad < 0) continue;
       failures[std::size_t(task)] = {i, bad};
       return;
@@ -49,12 +61,12 @@ std::int32_t BlockCholesky::factorize(const double* values, const double* dampin
   }
   const auto count = std::int32_t(symbolic_.supernodes.size());
   for (std::int32_t i = 0; i < std::min(count, first.supernode); ++i) {
-    if (symbolic_.supernodes[std::size_t(i)].task >= 0) continue;
-    const int bad = factorSupernode(std::size_t(i), values, damping, true);
+    const Supernode& s = symbolic_.supernodes[std::size_t(i)];
+    if (s.task >= 0 || s.absorbed) continue;
+    const std::int32_t bad = factorSupernode(std::size_t(i), values, damping, true);
     if (bad >= 0) first = {i, bad};
   }
-  if (first.column < 0) return -1;
-  return blockAt(symbolic_.supernodes[std::size_t(first.supernode)], first.column);
+  return first.block;
 }
 
 std::int32_t BlockCholesky::blockAt(const Supernode& s, int column) const {
@@ -67,36 +79,163 @@ std::int32_t BlockCholesky::blockAt(const Supernode& s, int column) const {
   return -1;
 }
 
-int BlockCholesky::factorSupernode(std::size_t index, const double* values, const double* damping,
-                                   bool share) {
+std::int32_t BlockCholesky::factorColumns(std::size_t index) {
   const Supernode& s = symbolic_.supernodes[index];
-  assembleMatrix(index, values, damping);
-  for (const std::int32_t c : s.children) {
-    assembleColumns(s, symbolic_.supernodes[std::size_t(c)]);
-  }
-  double* strips = factor_.data() + s.factor_offset;
   const int bad =
-      factorFront(*kernels_, s.columns, s.rowStrips(), thresholds_.data() + s.first_scalar, strips,
-                  inverses_.data() + s.first_scalar);
+      factorFront(*kernels_, s.columns, s.rowStrips(), thresholds_.data() + s.first_scalar,
+                  factor_.data() + s.factor_offset, inverses_.data() + s.first_scalar);
+  return bad < 0 ? -1 : blockAt(s, bad);
+}
+
+std::int32_t BlockCholesky::factorSupernode(std::size_t index, const double* values,
+                                            const double* damping, bool share) {
+  const Supernode& s = symbolic_.supernodes[index];
+  if (s.absorbed_children > 0) {
+    const std::int32_t bad = factorAbsorbed(s, values, damping, share);
+    if (bad >= 0) return bad;
+  }
+  assembleMatrix(index, values, damping);
+  if (s.absorbed_children > 0) assembleAbsorbed(s, share);
+  for (const std::int32_t c : s.children) {
+    const Supernode& child = symbolic_.supernodes[std::size_t(c)];
+    if (!child.absorbed) assembleColumns(s, child);
+  }
+  const std::int32_t bad = factorColumns(index);
   if (bad >= 0 || s.rows == 0) return bad;
   formUpdate(s, share);
   for (const std::int32_t c : s.children) {
-    assembleUpdate(s, symbolic_.supernodes[std::size_t(c)]);
+    const Supernode& child = symbolic_.supernodes[std::size_t(c)];
+    if (!child.absorbed) assembleUpdate(s, child);
   }
   return -1;
 }
 
-/// The update matrix -L21 L21', lower triangle.
+/// The leaves do not depend on each other; the first that fails in order counts.
+std::int32_t BlockCholesky::factorAbsorbed(const Supernode& s, const double* values,
+                                           const double* damping, bool share) {
+  const auto factorRange = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto child = std::size_t(s.children[i]);
+      if (!symbolic_.supernodes[child].absorbed) continue;
+      assembleMatrix(child, values, damping);
+      const std::int32_t bad = factorColumns(child);
+      if (bad >= 0) return bad;
+    }
+    return std::int32_t{-1};
+  };
+  const std::size_t count = s.children.size();
+  if (!share || pool_ == nullptr || std::size_t(s.absorbed_children) < kLeavesWorthSharing) {
+    return factorRange(0, count);
+  }
+  const std::int64_t pieces = (std::int64_t(count) + kLeavesPerPiece - 1) / kLeavesPerPiece;
+  std::vector<std::int32_t> failures(std::size_t(pieces), -1);
+  pool_->run(pieces, [&](std::int64_t piece) {
+    const auto begin = std::size_t(piece * kLeavesPerPiece);
+    failures[std::size_t(piece)] =
+        factorRange(begin, std::min(count, begin + std::size_t(kLeavesPerPiece)));
+  });
+  const auto failed =
+      std::find_if(failures.begin(), failures.end(), [](std::int32_t f) { return f >= 0; });
+  return failed == failures.end() ? -1 : *failed;
+}
+
+/// Adds the updates of the absorbed leaves to the front: every entry in the order of the
+/// leaves, for threads have columns of their own.
+void BlockCholesky::assembleAbsorbed(const Supernode& s, bool share) {
+  std::fill_n(updates_.data() + s.update_offset, std::int64_t{s.rows} * s.updateStride(), 0.0);
+  const int width = s.columns + s.rows;
+  std::vector<int> cuts = {0};
+  if (share && pool_ != nullptr && pool_->threads() > 1 &&
+      std::size_t(s.absorbed_children) >= kLeavesWorthSharing) {
+    std::vector<std::int64_t> entries(std::size_t(width), 0);
+    std::int64_t total = 0;
+    for (const std::int32_t c : s.children) {
+      const Supernode& child = symbolic_.supernodes[std::size_t(c)];
+      if (!child.absorbed) continue;
+      for (int i = 0; i < child.rows; ++i) {
+        entries[std::size_t(child.in_parent[std::size_t(i)])] += child.rows - i;
+      }
+      total += std::int64_t{child.rows} * (child.rows + 1) / 2;
+    }
+    const std::int64_t share_of_piece = total / (4 * pool_->threads()) + 1;
+    std::int64_t sum = 0;
+    for (int column = 0; column < width; ++column) {
+      sum += entries[std::size_t(column)];
+      if (sum < share_of_piece) continue;
+      cuts.push_back(column + 1);
+      sum = 0;
+    }
+  }
+  if (cuts.back() < width) cuts.push_back(width);
+  const auto addAll = [&](std::int64_t piece) {
+    for (const std::int32_t c : s.children) {
+      const Supernode& child = symbolic_.supernodes[std::size_t(c)];
+      if (!child.absorbed) continue;
+      const auto& places = child.in_parent;
+      const auto first = std::lower_bound(places.begin(), places.end(), cuts[std::size_t(piece)]);
+      const auto last = std::lower_bound(first, places.end(), cuts[std::size_t(piece) + 1]);
+      addAbsorbed(s, child, int(first - places.begin()), int(last - places.begin()));
+    }
+  };
+  const auto pieces = std::int64_t(cuts.size()) - 1;
+  if (pieces > 1) {
+    pool_->run(pieces, addAll);
+  } else {
+    addAll(0);
+  }
+}
+
+/// Adds columns begin .. end of a leaf's -L21 L21', lower triangle, to the front.
+void BlockCholesky::addAbsorbed(const Supernode& s, const Supernode& child, int begin, int end) {
+  const std::int64_t stride = std::int64_t{kStrip} * child.columns;
+  const double* rows = factor_.data() + child.factor_offset + child.columnStrips() * stride;
+  const std::int32_t* in_parent = child.in_parent.data();
+  static PerThread<std::vector<double>> products;
+  static PerThread<std::vector<std::int64_t>> all_places;
+  std::vector<double>& product = products.get();
+  std::vector<std::int64_t>& places = all_places.get();
+  product.resize(std::size_t(child.updateStride()) * kStrip);
+  places.resize(std::size_t(child.rows));
+  for (int i = begin; i < child.rows; ++i) {
+    places[std::size_t(i)] = s.stripOffset(in_parent[i]);
+  }
+  for (int first = begin; first < end;) {
+    const int strip = first / kStrip;
+    const int last = std::min(end, (strip + 1) * kStrip);
+    for (int i = strip; i < child.rowStrips(); ++i) {
+      kernels_->negateProduct(child.columns, rows + i * stride,
+                              rows + strip * stride + first % kStrip, last - first,
+                              product.data() + i * kStrip, child.updateStride());
+    }
+    for (int j = first; j < last; ++j) {
+      const double* in = product.data() + std::int64_t{j - first} * child.updateStride();
+      const int column = in_parent[j];
+      if (column < s.columns) {
+        double* out = factor_.data() + s.factor_offset + std::int64_t{column} * kStrip;
+        for (int i = j; i < child.rows; ++i) out[places[std::size_t(i)]] += in[i];
+      } else {
+        double* out = updates_.data() + s.update_offset +
+                      std::int64_t{column - s.columns} * s.updateStride() - s.columns;
+        for (int i = j; i < child.rows; ++i) out[in_parent[i]] += in[i];
+      }
+    }
+    first = last;
+  }
+}
+
+/// The update matrix -L21 L21', lower triangle; what absorbed leaves left there stays.
 void BlockCholesky::formUpdate(const Supernode& s, bool share) {
   const std::int64_t stride = std::int64_t{kStrip} * s.columns;
   const double* rows = factor_.data() + s.factor_offset + s.columnStrips() * stride;
   double* update = updates_.data() + s.update_offset;
+  const auto product =
+      s.absorbed_children > 0 ? kernels_->subtractProduct : kernels_->negateProduct;
   const auto formColumns = [&](std::int64_t j) {
     const int width = int(std::min<std::int64_t>(kStrip, s.rows - j * kStrip));
     double* columns = update + j * kStrip * s.updateStride();
     for (std::int64_t i = j; i < s.rowStrips(); ++i) {
-      kernels_->negateProduct(s.columns, rows + i * stride, rows + j * stride, width,
-                              columns + i * kStrip, s.updateStride());
+      product(s.columns, rows + i * stride, rows + j * stride, width, columns + i * kStrip,
+              s.updateStride());
     }
   };
   if (share && pool_ != nullptr && double(s.rows) * s.rows * s.columns > kFlopsWorthSharing) {
@@ -143,7 +282,8 @@ void BlockCholesky::assembleMatrix(std::size_t index, const double* values, cons
 void BlockCholesky::assembleColumns(const Supernode& s, const Supernode& child) {
   double* strips = factor_.data() + s.factor_offset;
   const double* update = updates_.data() + child.update_offset;
-  thread_local std::vector<std::int64_t> places;
+  static PerThread<std::vector<std::int64_t>> all_places;
+  std::vector<std::int64_t>& places = all_places.get();
   places.resize(std::size_t(child.rows));
   for (int i = 0; i < child.rows; ++i) {
     places[std::size_t(i)] = s.stripOffset(child.in_parent[std::size_t(i)]);

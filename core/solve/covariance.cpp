@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/solve/covariance.hpp"
 
-#include "core/solve/linear_solver.hpp"
+#include "core/base/error.hpp"
 #include "core/solve/normal_equations.hpp"
+#include "core/solve/selected_inverse.hpp"
 
 namespace graft {
 
-std::vector<Eigen::MatrixXd> marginalCovariances(const Graph& graph, const Values& values,
-                                                 Registry& registry,
-                                                 const std::vector<VertexRef>& vertices) {
-  const auto fail = [](const std::string& why) {
-    throw Error(ExitCode::kNoResult, "no covariance: " + why);
-  };
-  const Problem problem(graph, InformationPolicy::kError);
-  ThreadPool pool(1);
+namespace {
+
+[[noreturn]] void fail(const std::string& why) {
+  throw Error(ExitCode::kNoResult, "no covariance: " + why);
+}
+
+}  // namespace
+
+std::vector<Eigen::MatrixXd> jointCovariances(
+    const Graph& graph, const Values& values,
+    const std::vector<std::pair<VertexRef, VertexRef>>& pairs, const CovarianceOptions& options) {
+  const Problem problem(graph, options.information);
+  ThreadPool pool(options.threads);
   Linearizer linearizer(problem, pool);
   State state;
   Evaluation evaluation = linearizer.begin(values, state);
@@ -21,34 +27,38 @@ std::vector<Eigen::MatrixXd> marginalCovariances(const Graph& graph, const Value
   if (!evaluation.ok()) fail(evaluation.failure);
   NormalEquations equations(problem);
   equations.gather(linearizer, pool);
-  const auto solver = LinearSolver::create("block", registry, pool);
-  solver->analyze(equations.pattern());
-  const LinearOutcome factored = solver->factorize(equations.hessian().data(), nullptr);
-  if (!factored.ok) {
-    fail("the system is singular" +
-         (factored.failed_block < 0
-              ? std::string()
-              : " at " + problem.describeVertex(
-                             problem.freeVertices()[std::size_t(factored.failed_block)])));
+  BlockCholesky cholesky(&pool);
+  cholesky.analyze(equations.pattern());
+  const std::int32_t failed = cholesky.factorize(equations.hessian().data(), nullptr);
+  if (failed >= 0) {
+    fail("the system is singular at " +
+         problem.describeVertex(problem.freeVertices()[std::size_t(failed)]));
   }
-  const Eigen::Index size = problem.dim();
-  Eigen::VectorXd unit = Eigen::VectorXd::Zero(size);
-  Eigen::VectorXd column(size);
   std::vector<Eigen::MatrixXd> covariances;
-  for (const VertexRef v : vertices) {
-    const int dim = graph.type(v).tangent_dim;
-    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(dim, dim);
-    const std::int32_t block = problem.blockOf(v);
-    for (int k = 0; block >= 0 && k < dim; ++k) {
-      const Eigen::Index first = problem.offsets()[std::size_t(block)];
-      unit[first + k] = 1;
-      const LinearOutcome solved = solver->solve(unit.data(), column.data());
-      unit[first + k] = 0;
-      if (!solved.ok) fail(solved.message);
-      covariance.col(k) = column.segment(first, dim);
+  std::vector<BlockPair> wanted;
+  std::vector<std::size_t> places;
+  for (const auto& [a, b] : pairs) {
+    const BlockPair blocks = {problem.blockOf(a), problem.blockOf(b)};
+    if (blocks.row >= 0 && blocks.column >= 0) {
+      wanted.push_back(blocks);
+      places.push_back(covariances.size());
     }
-    covariances.push_back(0.5 * (covariance + covariance.transpose()));
+    covariances.push_back(
+        Eigen::MatrixXd::Zero(graph.type(a).tangent_dim, graph.type(b).tangent_dim));
   }
+  std::vector<Eigen::MatrixXd> found = inverseBlocks(cholesky, wanted, &pool);
+  for (std::size_t i = 0; i < found.size(); ++i) covariances[places[i]] = std::move(found[i]);
+  return covariances;
+}
+
+std::vector<Eigen::MatrixXd> marginalCovariances(const Graph& graph, const Values& values,
+                                                 const std::vector<VertexRef>& vertices,
+                                                 const CovarianceOptions& options) {
+  std::vector<std::pair<VertexRef, VertexRef>> pairs;
+  pairs.reserve(vertices.size());
+  for (const VertexRef v : vertices) pairs.emplace_back(v, v);
+  std::vector<Eigen::MatrixXd> covariances = jointCovariances(graph, values, pairs, options);
+  for (Eigen::MatrixXd& c : covariances) c = (0.5 * (c + c.transpose())).eval();
   return covariances;
 }
 

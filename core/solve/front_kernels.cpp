@@ -38,8 +38,9 @@ struct Portable {
       }
     }
   }
-  static void subtractProduct(int k, const double* a, const double* b, int n, double* c) {
-    product<false>(k, a, b, n, c, kStrip);
+  static void subtractProduct(int k, const double* a, const double* b, int n, double* c,
+                              std::int64_t stride) {
+    product<false>(k, a, b, n, c, stride);
   }
   static void negateProduct(int k, const double* a, const double* b, int n, double* c,
                             std::int64_t stride) {
@@ -163,9 +164,9 @@ struct Avx2 {
     for (; n >= 2; n -= 2, b += 2, c += 2 * stride) twoColumns<kOverwrite>(k, a, b, c, stride);
     if (n == 1) oneColumn<kOverwrite>(k, a, b, c);
   }
-  GRAFT_AVX2 static void subtractProduct(int k, const double* a, const double* b, int n,
-                                         double* c) {
-    product<false>(k, a, b, n, c, kStrip);
+  GRAFT_AVX2 static void subtractProduct(int k, const double* a, const double* b, int n, double* c,
+                                         std::int64_t stride) {
+    product<false>(k, a, b, n, c, stride);
   }
   GRAFT_AVX2 static void negateProduct(int k, const double* a, const double* b, int n, double* c,
                                        std::int64_t stride) {
@@ -270,13 +271,13 @@ int factorFront(const FrontKernels& kernels, int columns, int row_strips, const 
     const int width = std::min(kStrip, columns - begin);
     double* own = strips + strip * stride;
     double* tile = own + begin * kStrip;
-    kernels.subtractProduct(begin, own, own, width, tile);
+    kernels.subtractProduct(begin, own, own, width, tile, kStrip);
     const int bad = factorTile(width, thresholds + begin, tile, inverses + begin);
     if (bad >= 0) return begin + bad;
     for (int i = strip + 1; i < strip_count; ++i) {
       double* other = strips + i * stride;
       double* c = other + begin * kStrip;
-      if (begin > 0) kernels.subtractProduct(begin, other, own, width, c);
+      if (begin > 0) kernels.subtractProduct(begin, other, own, width, c, kStrip);
       kernels.solveTile(width, tile, inverses + begin, c);
     }
   }

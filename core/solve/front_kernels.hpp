@@ -10,9 +10,10 @@ namespace graft {
 /// zero and stay zero. The vector length is chosen once per process.
 struct FrontKernels {
   const char* name;
-  /// c(:, 0..n) -= a(:, 0..k) b(0..n, 0..k)', n <= kStrip; columns of c are kStrip apart.
-  void (*subtractProduct)(int k, const double* a, const double* b, int n, double* c);
-  /// c(:, 0..n) = -a(:, 0..k) b(0..n, 0..k)'; columns of c are `stride` apart.
+  /// c(:, 0..n) -= a(:, 0..k) b(0..n, 0..k)', n <= kStrip; columns of c are `stride` apart.
+  void (*subtractProduct)(int k, const double* a, const double* b, int n, double* c,
+                          std::int64_t stride);
+  /// c(:, 0..n) = -a(:, 0..k) b(0..n, 0..k)', likewise.
   void (*negateProduct)(int k, const double* a, const double* b, int n, double* c,
                         std::int64_t stride);
   /// c(:, 0..n) = c inv(L)', where L is the lower triangle of the tile and

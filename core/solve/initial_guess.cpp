@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/solve/edge_batch.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -26,6 +27,7 @@ class Spreading {
     const auto& groups = problem.groups();
     for (std::size_t g = 0; g < groups.size(); ++g) {
       if (groups[g].type->propagate == nullptr) continue;
+      some_without_weight_ = some_without_weight_ || !groups[g].weights.empty();
       for (std::int64_t e = 0; e < groups[g].count; ++e) {
         for (int k = 0; k < groups[g].arity; ++k) {
           const VertexRef v = groups[g].vertices[std::size_t(e * groups[g].arity + k)];
@@ -39,9 +41,11 @@ class Spreading {
   SpreadResult run(const std::vector<VertexRef>& placed) {
     for (const VertexRef v : placed) place(v);
     placeRoots();
-    for (std::size_t next = 0; next < queue_.size(); ++next) {
-      const VertexRef v = queue_[next];
-      for (const EdgeRef& edge : edges_[std::size_t(v.type)][std::size_t(v.index)]) reach(edge);
+    follow();
+    if (some_without_weight_) {
+      // What the edges that count could not reach is placed by the others.
+      every_edge_ = true;
+      follow();
     }
     SpreadResult result;
     result.placed = placed_count_;
@@ -75,9 +79,17 @@ class Spreading {
     }
   }
 
+  void follow() {
+    for (std::size_t next = 0; next < queue_.size(); ++next) {
+      const VertexRef v = queue_[next];
+      for (const EdgeRef& edge : edges_[std::size_t(v.type)][std::size_t(v.index)]) reach(edge);
+    }
+  }
+
   /// Places the vertices of an edge that are not placed yet, if it can.
   void reach(const EdgeRef& edge) {
     const EdgeGroup& group = problem_.groups()[std::size_t(edge.group)];
+    if (!every_edge_ && group.weight(edge.edge) == 0) return;
     const VertexRef* vertices = &group.vertices[std::size_t(edge.edge) * std::size_t(group.arity)];
     int open = 0;
     for (int k = 0; k < group.arity; ++k) open += isPlaced(vertices[k]) == 0 ? 1 : 0;
@@ -97,9 +109,13 @@ class Spreading {
     const VertexRef v = vertices[open];
     const graft_vertex_type& type = problem_.graph().type(v);
     std::vector<double> estimate(state_.values.at(v), state_.values.at(v) + type.ambient_dim);
-    if (group.type->propagate(&batch.view(), open, estimate.data()) != GRAFT_OK) return;
     graft_message message = {};
-    if (type.normalize(estimate.data(), &message) != GRAFT_OK) return;
+    const auto propagate = [&] {
+      return group.type->propagate(&batch.view(), open, estimate.data());
+    };
+    if (callPlugin(Callback::kPropagate, group.type->tag, propagate) != GRAFT_OK) return;
+    const auto normalize = [&] { return type.normalize(estimate.data(), &message); };
+    if (callPlugin(Callback::kNormalize, type.tag, message, normalize) != GRAFT_OK) return;
     for (const double number : estimate) {
       if (!std::isfinite(number)) return;
     }
@@ -114,6 +130,8 @@ class Spreading {
   std::vector<std::vector<std::vector<EdgeRef>>> edges_;
   std::vector<VertexRef> queue_;
   std::int64_t placed_count_ = 0;
+  bool some_without_weight_ = false;
+  bool every_edge_ = false;  ///< else only those of weight above 0
 };
 
 }  // namespace

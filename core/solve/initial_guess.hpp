@@ -14,7 +14,8 @@ struct SpreadResult {
 
 /// Initial estimates along a spanning tree: breadth first from the problem's
 /// roots, so that every vertex is reached over as few edges as possible, each
-/// vertex placed by the propagate() of the edge that reaches it. Deterministic.
+/// vertex placed by the propagate() of the edge that reaches it; edges of weight 0
+/// place only what the others cannot reach. Deterministic.
 /// Fixed and held vertices, and those that no edge can place, stay as they are
 /// in `state`; edges that look something up use the state's associations.
 /// `placed`: free vertices whose estimates in the state are good already; they are

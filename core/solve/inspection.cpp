@@ -5,12 +5,16 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
+#include "core/base/disjoint_sets.hpp"
 #include "core/base/error.hpp"
+#include "core/base/text.hpp"
 #include "core/solve/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/solve/normal_equations.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -37,10 +41,7 @@ class Differences {
   /// The largest difference between the edge's Jacobian and differences.
   double worst(graft_edge_batch one, std::int64_t edge) {
     Eigen::MatrixXd exact(group_.error_dim, group_.tangent_dim);
-    graft_message message = {};
-    if (group_.type->evaluate(&one, errors_.data(), exact.data(), &message) != GRAFT_OK) {
-      fail(edge, message.text);
-    }
+    evaluate(one, edge, exact.data());
     const double scale = 1 + exact.lpNorm<Eigen::Infinity>();
     double smallest = std::numeric_limits<double>::infinity();
     for (const double step : {1e-3, 1e-5}) {
@@ -59,6 +60,16 @@ class Differences {
                 "edge " + group_.describe(problem_.graph(), edge) + ": " + why);
   }
 
+  void evaluate(const graft_edge_batch& one, std::int64_t edge, double* jacobian) {
+    graft_message message = {};
+    const auto call = [&] {
+      return group_.type->evaluate(&one, errors_.data(), jacobian, &message);
+    };
+    if (callPlugin(Callback::kEvaluate, group_.type->tag, message, call) != GRAFT_OK) {
+      fail(edge, withPlugin(message.text, group_.type->tag));
+    }
+  }
+
   Eigen::VectorXd errorAt(graft_edge_batch one, std::int64_t edge, int slot, int axis,
                           double step) {
     const VertexRef v = group_.vertices[std::size_t(edge * group_.arity + slot)];
@@ -68,13 +79,11 @@ class Differences {
     x.resize(std::size_t(type.ambient_dim));
     Eigen::VectorXd delta = Eigen::VectorXd::Zero(type.tangent_dim);
     delta[axis] = step;
-    type.plus(1, one.vertices[slot], delta.data(), x.data());
+    callPlugin(Callback::kPlus, type.tag,
+               [&] { type.plus(1, one.vertices[slot], delta.data(), x.data()); });
     pointers_[std::size_t(slot)] = x.data();
     one.vertices = pointers_.data();
-    graft_message message = {};
-    if (group_.type->evaluate(&one, errors_.data(), nullptr, &message) != GRAFT_OK) {
-      fail(edge, message.text);
-    }
+    evaluate(one, edge, nullptr);
     return errors_;
   }
 
@@ -119,11 +128,13 @@ Eigen::MatrixXd product(const graft_block_pattern& p, const std::vector<double>&
   return out;
 }
 
+/// Below this, of the largest entry, a vertex's own block resists nothing.
+constexpr double kOwn = 1e-13;
+
 /// What a vertex's own block of A = J'J leaves free: no edge of the vertex resists
 /// it, whatever else moves. Closes those directions in `values`.
 void closeOwnDirections(const Problem& problem, const NormalEquations& equations,
                         std::vector<double>& values, std::vector<FreeDirection>& found) {
-  constexpr double kOwn = 1e-13;
   const graft_block_pattern& pattern = equations.pattern();
   double largest = 0;
   for (const double entry : equations.diagonal()) largest = std::max(largest, entry);
@@ -289,6 +300,113 @@ std::vector<FreeDirection> findFreeDirections(const Problem& problem, const Valu
       directions.begin() + std::ptrdiff_t(own), directions.end(),
       [](const FreeDirection& a, const FreeDirection& b) { return a.share > b.share + 1e-9; });
   return directions;
+}
+
+std::string describe(const Problem& problem, const FreeDirection& free) {
+  const graft_vertex_type& type = problem.graph().type(free.vertex);
+  std::vector<std::string> names;
+  LineTokens fields(type.fields == nullptr ? "" : type.fields);
+  for (std::string_view name = fields.next(); !name.empty(); name = fields.next()) {
+    names.emplace_back(name);
+  }
+  std::string text;
+  for (Eigen::Index i = 0; i < free.direction.size(); ++i) {
+    if (std::abs(free.direction[i]) < 1e-3) continue;
+    char part[64];
+    const bool named = type.ambient_dim == type.tangent_dim && names.size() > std::size_t(i);
+    const std::string name = named ? names[std::size_t(i)] : "tangent " + std::to_string(i + 1);
+    std::snprintf(part, sizeof part, "%s%.3g %s", text.empty() ? "" : ", ", free.direction[i],
+                  name.c_str());
+    text += part;
+  }
+  return problem.describeVertex(free.vertex) + " is free along (" + text + ")" +
+         (free.share > 0.9 ? "" : ", together with others");
+}
+
+std::vector<std::string> describeFreeDirections(const Problem& problem, const Values& values,
+                                                std::size_t limit) {
+  std::vector<std::string> texts;
+  std::vector<FreeDirection> directions;
+  try {
+    directions = findFreeDirections(problem, values);
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::kNoResult) throw;
+  }
+  for (const FreeDirection& free : directions) {
+    if (texts.size() == limit) {
+      texts.push_back("... and " + std::to_string(directions.size() - limit) +
+                      " more free directions");
+      break;
+    }
+    texts.push_back(describe(problem, free));
+  }
+  return texts;
+}
+
+bool hasOpenBlock(const NormalEquations& equations) {
+  const graft_block_pattern& pattern = equations.pattern();
+  std::vector<double> lower;
+  for (std::int32_t c = 0; c < pattern.block_count; ++c) {
+    const int dim = pattern.dims[c];
+    const double* block = equations.hessian().data() + pattern.offsets[pattern.columns[c]];
+    lower.assign(block, block + dim * dim);
+    double scale = 0;
+    for (int i = 0; i < dim; ++i) scale = std::max(scale, lower[std::size_t(i * dim + i)]);
+    // Cholesky by columns; a pivot that vanishes leaves a direction open.
+    for (int j = 0; j < dim; ++j) {
+      double* column = lower.data() + j * dim;
+      if (!(column[j] > kOwn * scale)) return true;
+      const double root = std::sqrt(column[j]);
+      for (int i = j; i < dim; ++i) column[i] /= root;
+      for (int k = j + 1; k < dim; ++k) {
+        for (int i = k; i < dim; ++i) lower[std::size_t(k * dim + i)] -= column[i] * column[k];
+      }
+    }
+  }
+  return false;
+}
+
+bool hasWeakAnchor(const Problem& problem) {
+  enum Anchor : std::uint8_t { kNone, kWeak, kFirm };
+  const std::size_t count = problem.freeVertices().size();
+  std::vector<Anchor> anchors(count, kNone);
+  DisjointSets sets(count);
+  bool any = false;
+  for (const EdgeGroup& group : problem.groups()) {
+    const std::int64_t size = std::int64_t{group.error_dim} * group.error_dim;
+    for (std::int64_t e = 0; e < group.count; ++e) {
+      const std::int32_t* blocks = group.blocks.data() + e * group.arity;
+      std::int32_t first = -1;
+      bool held = false;
+      for (int k = 0; k < group.arity; ++k) {
+        if (blocks[k] < 0) {
+          held = true;
+        } else if (first < 0) {
+          first = blocks[k];
+        } else {
+          sets.merge(std::size_t(first), std::size_t(blocks[k]));
+        }
+      }
+      if (first < 0) continue;
+      Anchor& anchor = anchors[std::size_t(first)];
+      if (held) anchor = kFirm;
+      if (group.arity > 1 || (group.type->flags & GRAFT_EDGE_RELATIVE) != 0) continue;
+      any = true;
+      if (anchor == kFirm) continue;
+      const Eigen::Map<const Eigen::MatrixXd> root(group.roots.data() + e * size, group.error_dim,
+                                                   group.error_dim);
+      const bool whole = group.error_dim >= group.tangent_dim &&
+                         root.colPivHouseholderQr().rank() >= group.tangent_dim;
+      anchor = whole ? kFirm : kWeak;
+    }
+  }
+  if (!any) return false;
+  std::vector<Anchor> of_set(count, kNone);
+  for (std::size_t i = 0; i < count; ++i) {
+    Anchor& whole = of_set[sets.find(i)];
+    whole = std::max(whole, anchors[i]);
+  }
+  return std::find(of_set.begin(), of_set.end(), kWeak) != of_set.end();
 }
 
 }  // namespace graft

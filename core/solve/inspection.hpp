@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/solve/normal_equations.hpp"
 #include "core/solve/problem.hpp"
 #include "core/types/registry.hpp"
 
@@ -52,5 +53,23 @@ struct FreeDirection {
 /// most twelve are looked for, and shares below a tenth are left out unless there
 /// are none above.
 std::vector<FreeDirection> findFreeDirections(const Problem& problem, const Values& values);
+
+/// "VERTEX_XY 2 is free along (1 x)": the numbers' names where a type's tangent has the
+/// same as its estimate, else their places.
+std::string describe(const Problem& problem, const FreeDirection& free);
+
+/// Texts of findFreeDirections(), at most `limit` and then how many more; empty also where
+/// the edges cannot be evaluated.
+std::vector<std::string> describeFreeDirections(const Problem& problem, const Values& values,
+                                                std::size_t limit = 20);
+
+/// True where the edges leave a single vertex a direction of its own: its block of J'J is
+/// singular. Cheap; what several vertices can do together only findFreeDirections() sees.
+bool hasOpenBlock(const NormalEquations& equations);
+
+/// True where all that holds a connected component are edges of arity 1 of which none
+/// measures a whole vertex (e.g. one position of a pose): what is left may be free. Looks
+/// at dimensions and information matrices only; findFreeDirections() tells.
+bool hasWeakAnchor(const Problem& problem);
 
 }  // namespace graft

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/per_thread.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/solve/whiten.hpp"
-#include "core/types/vertex.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -24,16 +25,24 @@ bool allFinite(const double* numbers, std::int64_t count) {
   return sum == 0;
 }
 
+/// Stands behind what a plugin writes, to find one that writes too much.
+constexpr double kGuard = -5.4321e-301;
+constexpr std::int64_t kGuards = 16;
+
+bool isIntact(const double* guards) {
+  return std::all_of(guards, guards + kGuards, [](double x) { return x == kGuard; });
+}
+
 // Callbacks must not throw; one that does all the same fails its edges, and the
 // program goes on.
 int evaluateEdges(const graft_edge_type& type, const graft_edge_batch& batch, double* errors,
                   double* jacobians, graft_message& message) {
-  return detail::guarded(&message,
-                         [&] { return type.evaluate(&batch, errors, jacobians, &message); });
+  return callPlugin(Callback::kEvaluate, type.tag, message,
+                    [&] { return type.evaluate(&batch, errors, jacobians, &message); });
 }
 int associateEdges(const graft_edge_type& type, const graft_edge_batch& batch, bool first,
                    double* associations, std::uint8_t* changed, graft_message& message) {
-  return detail::guarded(&message, [&] {
+  return callPlugin(Callback::kAssociate, type.tag, message, [&] {
     return type.associate(&batch, first ? 1 : 0, associations, changed, &message);
   });
 }
@@ -47,8 +56,14 @@ Robust robustify(const Graph& graph, std::int32_t kernel, double s) {
   if (kernel < 0) return {s, 1.0};
   const Kernel& k = graph.kernels()[std::size_t(kernel)];
   double rho[3] = {kPoison, kPoison, kPoison};
-  k.type->evaluate(1, &s, k.width, rho);
+  callPlugin(Callback::kKernel, k.type->name, [&] { k.type->evaluate(1, &s, k.width, rho); });
   return {rho[0], rho[1]};
+}
+
+std::string byKernel(const Graph& graph, std::int32_t kernel) {
+  if (kernel < 0) return "";
+  const char* name = graph.kernels()[std::size_t(kernel)].type->name;
+  return std::string(", its kernel is ") + name + ofPlugin(name);
 }
 
 /// Finds the edge that makes a batch fail and says what is wrong with it.
@@ -128,9 +143,10 @@ Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& chan
     graft_message message = {};
     if (associateEdges(*group.type, batch.view(), first, associations, flags.data(), message) !=
         GRAFT_OK) {
-      failures[std::size_t(piece)] = "association of edges " + std::string(group.type->tag) +
-                                     " near " + group.describe(problem_->graph(), chunk.begin) +
-                                     ": " + message.text;
+      failures[std::size_t(piece)] =
+          withPlugin("association of edges " + std::string(group.type->tag) + " near " +
+                         group.describe(problem_->graph(), chunk.begin) + ": " + message.text,
+                     group.type->tag);
     }
     counts[std::size_t(piece)] = std::count(flags.begin(), flags.end(), 1);
   });
@@ -159,6 +175,10 @@ Evaluation Linearizer::runAll(const State& state, bool keep,
                               std::map<std::string, double>* by_tag) {
   std::vector<Evaluation> results(chunks_.size());
   pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
+    if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed) != 0) {
+      results[std::size_t(piece)].failure = "interrupted";
+      return;
+    }
     const Chunk& chunk = chunks_[std::size_t(piece)];
     const std::int64_t row = chunk.begin * problem_->groups()[chunk.group].error_dim;
     results[std::size_t(piece)] = evaluateChunk(
@@ -178,26 +198,63 @@ Evaluation Linearizer::runAll(const State& state, bool keep,
   return total;
 }
 
+Evaluation Linearizer::squaredErrors(const State& state,
+                                     std::vector<std::vector<double>>& squares) const {
+  const auto& groups = problem_->groups();
+  squares.resize(groups.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) squares[g].resize(std::size_t(groups[g].count));
+  std::vector<Evaluation> results(chunks_.size());
+  pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
+    const Chunk& chunk = chunks_[std::size_t(piece)];
+    const int dim = groups[chunk.group].error_dim;
+    std::vector<double> residuals(std::size_t((chunk.end - chunk.begin) * dim));
+    results[std::size_t(piece)] = evaluateChunk(chunk, state, residuals.data(), nullptr);
+    const double* r = residuals.data();
+    for (std::int64_t e = chunk.begin; e < chunk.end; ++e, r += dim) {
+      double s = 0;
+      for (int i = 0; i < dim; ++i) s += r[i] * r[i];
+      squares[chunk.group][std::size_t(e)] = s;
+    }
+  });
+  for (const Evaluation& result : results) {
+    if (!result.ok()) return result;
+  }
+  return {};
+}
+
 Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, double* residuals,
                                      double* jacobians) const {
-  thread_local Scratch scratch;
+  static PerThread<Scratch> scratches;
+  Scratch& scratch = scratches.get();
   const Graph& graph = problem_->graph();
   const EdgeGroup& group = problem_->groups()[chunk.group];
   const EdgeBatch batch(group, chunk.group, state, chunk.begin, chunk.end);
   const int dim = group.error_dim;
   const std::int64_t count = chunk.end - chunk.begin;
   const std::int64_t jacobian_size = std::int64_t{dim} * group.tangent_dim;
-  scratch.errors.assign(std::size_t(count * dim) + std::size_t(dim), kPoison);
-  if (jacobians != nullptr) scratch.jacobians.assign(std::size_t(count * jacobian_size), kPoison);
+  scratch.errors.assign(std::size_t(count * dim + kGuards + dim), kPoison);
   const double* errors = scratch.errors.data();
-  double* whitened = scratch.errors.data() + count * dim;
+  double* guards = scratch.errors.data() + count * dim;
+  std::fill(guards, guards + kGuards, kGuard);
+  double* whitened = guards + kGuards;
+  const double* jacobian_guards = guards;
+  if (jacobians != nullptr) {
+    scratch.jacobians.assign(std::size_t(count * jacobian_size + kGuards), kPoison);
+    jacobian_guards = scratch.jacobians.data() + count * jacobian_size;
+    std::fill(scratch.jacobians.end() - kGuards, scratch.jacobians.end(), kGuard);
+  }
   graft_message message = {};
   const int status =
       evaluateEdges(*group.type, batch.view(), scratch.errors.data(),
                     jacobians != nullptr ? scratch.jacobians.data() : nullptr, message);
+  if (!isIntact(guards) || !isIntact(jacobian_guards)) {
+    return {0, std::string(group.type->tag) + ": evaluate() writes behind the end of its " +
+                   (isIntact(guards) ? "Jacobians" : "errors") + ofPlugin(group.type->tag)};
+  }
   if (status != GRAFT_OK || !allFinite(errors, count * dim) ||
       (jacobians != nullptr && !allFinite(scratch.jacobians.data(), count * jacobian_size))) {
-    return {0, diagnose(graph, group, batch, chunk.begin, jacobians != nullptr)};
+    return {0, diagnose(graph, group, batch, chunk.begin, jacobians != nullptr) +
+                   ofPlugin(group.type->tag)};
   }
   Evaluation result;
   for (std::int64_t e = 0; e < count; ++e) {
@@ -210,11 +267,14 @@ Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, dou
     const Robust robust = robustify(graph, group.kernels[index], s);
     if (!std::isfinite(s) || !std::isfinite(robust.value) || !std::isfinite(robust.weight) ||
         robust.weight < 0) {
-      return {0, "chi2 of edge " + group.describe(graph, chunk.begin + e) + " is not finite"};
+      const std::string edge = group.describe(graph, chunk.begin + e);
+      return {0, "chi2 of edge " + edge + " is not finite" +
+                     (std::isfinite(s) ? byKernel(graph, group.kernels[index]) : std::string())};
     }
-    result.chi2 += robust.value;
+    const double weight = group.weight(chunk.begin + e);
+    result.chi2 += weight * robust.value;
     if (jacobians == nullptr) continue;
-    const double scale = std::sqrt(robust.weight);
+    const double scale = std::sqrt(weight * robust.weight);
     if (scale != 1.0) {
       for (int i = 0; i < dim; ++i) r[i] *= scale;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <string>
 #include <vector>
@@ -36,9 +37,13 @@ class Linearizer {
   Evaluation evaluate(const State& state, std::map<std::string, double>* by_tag = nullptr) const;
   /// F at the state; keeps residuals and Jacobians for residuals() and jacobians().
   Evaluation linearize(const State& state);
+  /// The squared whitened error of every edge of every group, neither weighted nor robust.
+  Evaluation squaredErrors(const State& state, std::vector<std::vector<double>>& squares) const;
   /// Chooses associations anew at the state's estimates; adds to `changed`.
   Evaluation associate(State& state, std::int64_t& changed) const;
   bool hasAssociations() const { return has_associations_; }
+  /// Polled between batches; once it is not 0 evaluations fail at once. Null = never.
+  void setInterrupt(const std::atomic<int>* interrupt) { interrupt_ = interrupt; }
 
   /// Whitened, weighted; of a group: count x error_dim.
   const std::vector<double>& residuals(std::size_t group) const { return residuals_[group]; }
@@ -60,6 +65,7 @@ class Linearizer {
 
   const Problem* problem_;
   ThreadPool* pool_;
+  const std::atomic<int>* interrupt_ = nullptr;
   std::vector<Chunk> chunks_;
   std::vector<std::vector<double>> residuals_;
   std::vector<std::vector<double>> jacobians_;

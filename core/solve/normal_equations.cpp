@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/base/memory.hpp"
+
 namespace graft {
 
 namespace {
@@ -67,6 +69,15 @@ Product chooseProduct(int e, int a, int b) {
 
 constexpr std::int32_t kColumnsPerPiece = 64;
 
+/// What a Linearizer keeps.
+double jacobianBytes(const Problem& problem) {
+  double numbers = 0;
+  for (const EdgeGroup& group : problem.groups()) {
+    numbers += double(group.count) * group.error_dim * (group.tangent_dim + 1);
+  }
+  return numbers * sizeof(double);
+}
+
 }  // namespace
 
 NormalEquations::NormalEquations(const Problem& problem) : problem_(&problem) {
@@ -95,9 +106,12 @@ void NormalEquations::findTerms(const Problem& problem) {
       const EdgeGroup& group = problem.groups()[g];
       for (std::int64_t e = 0; e < group.count; ++e) {
         const std::int32_t* slots = group.blocks.data() + e * group.arity;
+        // An edge of weight 0 adds nothing, but a vertex keeps its diagonal block.
+        const bool diagonal_only = group.weight(e) == 0;
         for (int a = 0; a < group.arity; ++a) {
           for (int b = 0; b < group.arity; ++b) {
             if (slots[b] < 0 || slots[a] < slots[b]) continue;
+            if (diagonal_only && slots[a] != slots[b]) continue;
             visit(slots[a], slots[b],
                   Term{std::int32_t(g), std::int32_t(e), group.slot_offsets[std::size_t(a)],
                        group.slot_offsets[std::size_t(b)]});
@@ -109,6 +123,9 @@ void NormalEquations::findTerms(const Problem& problem) {
   forEach(
       [&](std::int32_t, std::int32_t column, const Term&) { ++begin[std::size_t(column) + 1]; });
   for (std::size_t j = 0; j < blocks; ++j) begin[j + 1] += begin[j];
+  requireMemory(double(begin[blocks]) * (sizeof(Entry) + sizeof(Term) + sizeof(double)) +
+                    jacobianBytes(problem),
+                "the linear model of the edges");
   std::vector<Entry> entries;
   entries.resize(std::size_t(begin[blocks]));
   std::vector<std::int64_t> next(begin.begin(), begin.end() - 1);

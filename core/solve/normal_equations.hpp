@@ -12,6 +12,8 @@ namespace graft {
 /// for any number of threads, and no thread waits for another.
 class NormalEquations {
  public:
+  /// Throws Error(kNoResult) where these and the Jacobians they are formed from do not
+  /// fit into memory.
   explicit NormalEquations(const Problem& problem);
 
   /// Lower triangle by block columns; valid as long as this object.

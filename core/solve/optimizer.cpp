@@ -3,12 +3,14 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
-#include "core/solve/initial_guess.hpp"
-#include "core/solve/relaxation.hpp"
+#include "core/solve/graduated.hpp"
+#include "core/solve/inspection.hpp"
+#include "core/solve/start.hpp"
 #include "core/solve/step_strategy.hpp"
 
 namespace graft {
@@ -19,15 +21,20 @@ namespace {
 /// before that counts as convergence.
 constexpr int kSmallChanges = 3;
 
+/// One solve with a session's solver.
 class Solve {
  public:
-  Solve(const Graph& graph, Values& values, Registry& registry, const SolveOptions& options)
-      : options_(options),
+  Solve(const Graph& graph, Values& values, Registry& registry, const SolveOptions& options,
+        ThreadPool& pool, LinearSolver& solver, PatternMemory& memory)
+      : registry_(registry),
+        options_(options),
         values_(values),
-        pool_(options.threads),
-        problem_(graph, options.information),
-        solver_(LinearSolver::create(options.linear_solver, registry, pool_)),
+        pool_(pool),
+        problem_(graph, options.information, options.level),
+        solver_(solver),
+        memory_(memory),
         linearizer_(problem_, pool_) {
+    linearizer_.setInterrupt(options.interrupt);
     summary_.threads = pool_.threads();
     summary_.linear_solver = options.linear_solver;
     summary_.notes = problem_.notes();
@@ -35,127 +42,62 @@ class Solve {
          {"analyze", "linearize", "factorize", "solve", "update", "evaluate", "associate"}) {
       summary_.seconds_by_phase[phase] = 0;
     }
+    if (options.graduation.kind != RobustEstimation::kNone) {
+      graduated_ = std::make_unique<Graduated>(problem_, options, summary_.graduation);
+    }
   }
 
   Summary run() {
-    State state;
-    Evaluation start = chooseStart(state);
+    Start start = begin();
+    summary_.start = start.kind;
+    summary_.start_name = start.name;
+    summary_.notes.insert(summary_.notes.end(), start.notes.begin(), start.notes.end());
     summary_.seconds_guess = watch_.seconds();
     const Stopwatch solving;
-    if (!start.ok()) {
-      finish(Status::kFailed, start.failure);
+    if (!start.evaluation.ok()) {
+      summary_.chi2_start = summary_.chi2_final = std::numeric_limits<double>::quiet_NaN();
+      fail(start.evaluation.failure);
     } else {
-      summary_.chi2_start = summary_.chi2_final = start.chi2;
-      iterate(std::move(state), start.chi2);
+      summary_.chi2_start = summary_.chi2_final = start.evaluation.chi2;
+      iterate(std::move(start.state), start.evaluation.chi2);
     }
     summary_.seconds_solve = solving.seconds();
     return std::move(summary_);
   }
 
  private:
+  /// The state to begin with. Under graduation it follows what can be trusted, and is
+  /// judged by all the rest, too.
+  Start begin() {
+    State state;
+    Evaluation given = linearizer_.begin(values_, state);
+    if (given.ok()) given = linearizer_.evaluate(state);
+    summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
+    if (graduated_ == nullptr) {
+      return chooseStart({problem_, linearizer_, pool_, registry_, options_}, std::move(state),
+                         given);
+    }
+    graduated_->trustOnly();
+    const auto cost = [this](const State& at) {
+      return graduated_->truncatedCost(linearizer_, at);
+    };
+    if (given.ok()) given = cost(state);
+    return chooseStart({problem_, linearizer_, pool_, registry_, options_, cost}, std::move(state),
+                       given);
+  }
+
   void finish(Status status, std::string reason) {
     summary_.status = status;
     summary_.reason = std::move(reason);
   }
 
-  Evaluation evaluateAt(const Values& values, State& state) const {
-    Evaluation evaluation = linearizer_.begin(values, state);
-    return evaluation.ok() ? linearizer_.evaluate(state) : evaluation;
+  /// An evaluation or a step that failed: of itself, or because of an interrupt.
+  void fail(const std::string& reason) {
+    if (isInterrupted()) return finish(Status::kInterrupted, "interrupted");
+    finish(Status::kFailed, reason);
   }
-
-  /// A state to begin with.
-  struct Guess {
-    State state;
-    Evaluation evaluation;
-    std::int64_t placed = 0;
-    std::int64_t unplaced = 0;
-  };
-
-  /// The state that the iterations begin with, and its chi2.
-  Evaluation chooseStart(State& state) {
-    Evaluation given = evaluateAt(values_, state);
-    summary_.chi2_initial = given.ok() ? given.chi2 : std::numeric_limits<double>::quiet_NaN();
-    const InitialGuess wanted = options_.initial_guess;
-    if (wanted == InitialGuess::kFile) return given;
-    if (state.associations.empty()) return given;
-    if (wanted == InitialGuess::kChordal) {
-      Guess guess = relax(state, true);
-      return begin(StartKind::kChordal, std::move(guess), state);
-    }
-    Guess tree = spread(state);
-    if (wanted == InitialGuess::kSpanningTree) {
-      return tree.placed == 0 ? given : begin(StartKind::kSpanningTree, std::move(tree), state);
-    }
-    const bool tree_wins = tree.placed > 0 && isLower(tree.evaluation, given);
-    const Evaluation& best = tree_wins ? tree.evaluation : given;
-    if (isPoor(best)) {
-      Guess chordal = relax(state, false);
-      if (chordal.placed > 0 && isLower(chordal.evaluation, best)) {
-        noteUnusable(given, "the chordal relaxation");
-        return begin(StartKind::kChordal, std::move(chordal), state);
-      }
-    }
-    if (!tree_wins) return given;
-    noteUnusable(given, "a spanning tree");
-    return begin(StartKind::kSpanningTree, std::move(tree), state);
-  }
-
-  static bool isLower(const Evaluation& a, const Evaluation& b) {
-    return a.ok() && (!b.ok() || a.chi2 < b.chi2);
-  }
-
-  /// Whether a start is so far from what noise explains that a relaxation, which
-  /// costs about as much as an iteration, is worth a try.
-  bool isPoor(const Evaluation& evaluation) const {
-    constexpr double kPoor = 10;
-    double errors = 0;
-    for (const EdgeGroup& group : problem_.groups()) {
-      errors += double(group.count) * group.error_dim;
-    }
-    return !evaluation.ok() || evaluation.chi2 > kPoor * errors;
-  }
-
-  Guess spread(const State& state, const std::vector<VertexRef>& placed = {}) const {
-    SpreadResult result = spreadEstimates(problem_, state, placed);
-    Guess guess;
-    guess.placed = result.placed;
-    guess.unplaced = result.unplaced;
-    if (guess.placed > 0 || !placed.empty()) {
-      guess.evaluation = evaluateAt(result.values, guess.state);
-    }
-    return guess;
-  }
-
-  /// The relaxation, and a spanning tree for what it leaves. Without one, or with one
-  /// that says no more than a tree: throws if it is required, else the guess has no
-  /// vertex placed.
-  Guess relax(const State& state, bool required) {
-    RelaxResult result = relaxEstimates(problem_, state, pool_, !required);
-    if (!result.failure.empty()) {
-      if (!required) return {};
-      throw Error(ExitCode::kNoResult, "there is no chordal initial guess: " + result.failure);
-    }
-    State relaxed = state;
-    relaxed.values = std::move(result.values);
-    Guess guess = spread(relaxed, result.placed);
-    guess.placed += std::int64_t(result.placed.size());
-    return guess;
-  }
-
-  void noteUnusable(const Evaluation& given, const char* start) {
-    if (given.ok()) return;
-    summary_.notes.push_back("began with " + std::string(start) + ", because " + given.failure);
-  }
-
-  Evaluation begin(StartKind kind, Guess guess, State& state) {
-    if (guess.unplaced > 0) {
-      summary_.notes.push_back("no edge of the spanning tree could place " +
-                               std::to_string(guess.unplaced) +
-                               " vertices; they begin where they were");
-    }
-    summary_.start = kind;
-    state = std::move(guess.state);
-    return guess.evaluation;
+  bool isInterrupted() const {
+    return options_.interrupt != nullptr && options_.interrupt->load() != 0;
   }
 
   void iterate(State state, double chi2) {
@@ -167,15 +109,61 @@ class Solve {
       return finish(Status::kConverged,
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
-    SolveContext context(problem_, *solver_, pool_, summary_.seconds_by_phase);
-    summary_.ordering = solver_->ordering();
-    summary_.factor_flops = solver_->flops();
+    std::optional<SolveContext> made;
+    try {
+      if (!graduate(state, chi2)) return;
+      made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kNoResult) throw;
+      return finish(Status::kFailed, error.what());  // it would not fit into memory
+    }
+    SolveContext& context = *made;
+    summary_.symbolic_reuse = context.symbolicReuse();
+    summary_.ordering = solver_.ordering();
+    summary_.factor_flops = solver_.flops();
+    summary_.factor_bytes = solver_.bytes();
+    context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
+    noteFreeDirections(context);
     summary_.associations_changed = context.associationsChanged();
     summary_.chi2_final = context.chi2();
-    linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
+    if (!isInterrupted()) linearizer_.evaluate(context.state(), &summary_.chi2_by_tag);
     if (summary_.status != Status::kFailed) values_ = context.state().values;
+  }
+
+  /// Names what the edges leave open: damping hides it, undamped systems fail by it.
+  void noteFreeDirections(const SolveContext& context) {
+    const bool failed = summary_.status == Status::kFailed;
+    const bool linearized = summary_.iterations.size() > 1;
+    const bool suspicious =
+        failed || hasWeakAnchor(problem_) || (linearized && hasOpenBlock(context.equations()));
+    if (isInterrupted() || !suspicious) return;
+    std::vector<std::string> texts = describeFreeDirections(problem_, context.state().values);
+    if (failed && !texts.empty()) summary_.reason += " (" + texts.front() + ")";
+    for (std::string& text : texts) summary_.notes.push_back("no edge determines this: " + text);
+  }
+
+  /// Switches off the edges that contradict the others, if that is wanted. False if the
+  /// solve has ended with that.
+  bool graduate(State& state, double& chi2) {
+    if (graduated_ == nullptr) return true;
+    const auto must_stop = [this] {
+      return isInterrupted() ||
+             (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit);
+    };
+    const Evaluation evaluation = graduated_->run(
+        {linearizer_, solver_, memory_, pool_, summary_.seconds_by_phase, must_stop}, state);
+    chi2 = evaluation.chi2;
+    if (evaluation.ok()) return true;
+    fail(evaluation.failure);
+    if (!isInterrupted()) return false;
+    // What there is so far, weights in between included, is the best there is.
+    linearizer_.setInterrupt(nullptr);
+    const Evaluation reached = linearizer_.evaluate(state, &summary_.chi2_by_tag);
+    summary_.chi2_final = reached.chi2;
+    if (reached.ok()) values_ = state.values;
+    return false;
   }
 
   void record(IterationRecord record, double chi2) {
@@ -189,7 +177,7 @@ class Solve {
     const IterationRecord& last = summary_.iterations.back();
     if (options_.callback && !options_.callback(last, context.state().values)) {
       finish(Status::kInterrupted, "the callback asked to stop");
-    } else if (options_.interrupt != nullptr && options_.interrupt->load() != 0) {
+    } else if (isInterrupted()) {
       finish(Status::kInterrupted, "interrupted");
     } else if (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit) {
       finish(Status::kTimeLimit,
@@ -210,7 +198,7 @@ class Solve {
       if (mustStop(context)) return;
       if (!linearized) {
         const Evaluation evaluation = context.linearize();
-        if (!evaluation.ok()) return finish(Status::kFailed, evaluation.failure);
+        if (!evaluation.ok()) return fail(evaluation.failure);
         linearized = true;
       }
       IterationRecord entry;
@@ -236,9 +224,9 @@ class Solve {
       entry.associations_changed = context.associationsChanged() - changed;
       record(entry, context.chi2());
       if (result.kind == StepResult::Kind::kFailed) {
-        return finish(Status::kFailed,
-                      "iteration " + std::to_string(iteration) + ": " + result.reason);
+        return fail("iteration " + std::to_string(iteration) + ": " + result.reason);
       }
+      if (!entry.accepted && isInterrupted()) return fail(result.reason);
       if (result.kind == StepResult::Kind::kStuck) return finishStuck(result, moved);
       if (!entry.accepted) continue;
       moved = true;
@@ -267,29 +255,59 @@ class Solve {
     finish(Status::kFailed, result.reason + ": is the Jacobian of an edge type wrong?");
   }
 
+  Registry& registry_;
   const SolveOptions& options_;
   Values& values_;
   Stopwatch watch_;
-  ThreadPool pool_;
+  ThreadPool& pool_;
   Problem problem_;
-  std::unique_ptr<LinearSolver> solver_;
+  LinearSolver& solver_;
+  PatternMemory& memory_;
   Linearizer linearizer_;
   Summary summary_;
+  std::unique_ptr<Graduated> graduated_;
 };
 
 }  // namespace
 
-Summary optimize(const Graph& graph, Values& values, Registry& registry,
-                 const SolveOptions& options) {
+struct Optimizer::Session {
+  Session(Registry& types, SolveOptions given)
+      : registry(types),
+        options(std::move(given)),
+        pool(options.threads),
+        solver(LinearSolver::create(options.linear_solver, registry, pool)) {}
+
+  Registry& registry;
+  SolveOptions options;
+  ThreadPool pool;
+  std::unique_ptr<LinearSolver> solver;
+  PatternMemory memory;
+};
+
+Optimizer::Optimizer(Registry& registry, SolveOptions options) {
   const std::string defect = options.validate();
   if (!defect.empty()) throw Error(ExitCode::kUsage, defect);
-  return Solve(graph, values, registry, options).run();
+  session_ = std::make_unique<Session>(registry, std::move(options));
 }
 
-double evaluateChi2(const Graph& graph, const Values& values,
-                    std::map<std::string, double>* by_tag) {
+Optimizer::~Optimizer() = default;
+Optimizer::Optimizer(Optimizer&&) noexcept = default;
+Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
+
+Summary Optimizer::solve(const Graph& graph, Values& values) {
+  Session& s = *session_;
+  return Solve(graph, values, s.registry, s.options, s.pool, *s.solver, s.memory).run();
+}
+
+Summary optimize(const Graph& graph, Values& values, Registry& registry,
+                 const SolveOptions& options) {
+  return Optimizer(registry, options).solve(graph, values);
+}
+
+double evaluateChi2(const Graph& graph, const Values& values, std::map<std::string, double>* by_tag,
+                    std::int32_t level) {
   ThreadPool pool(1);
-  const Problem problem(graph, InformationPolicy::kProject);
+  const Problem problem(graph, InformationPolicy::kProject, level);
   const Linearizer linearizer(problem, pool);
   State state;
   Evaluation evaluation = linearizer.begin(values, state);

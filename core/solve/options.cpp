@@ -25,6 +25,18 @@ std::string SolveOptions::validate() const {
   for (const std::string& check : checks) {
     if (!check.empty()) return check;
   }
+  if ((initial_guess == InitialGuess::kPlugin) == guess_name.empty()) {
+    return guess_name.empty()
+               ? "guess_name is empty, but the initial guess is a plugin's"
+               : "guess_name is " + guess_name + ", but the initial guess is not a plugin's";
+  }
+  if (level < kAllLevels) {
+    return "level is " + std::to_string(level) + ", but must be 0 or more, or -1 for all";
+  }
+  const double probability = graduation.inlier_probability;
+  if (!(probability > 0 && probability < 1)) {
+    return "inlier_probability is " + formatDouble(probability) + ", but must be between 0 and 1";
+  }
   if (threads > 1024) return "threads is " + std::to_string(threads) + ", but must be at most 1024";
   return {};
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "core/graph/information_policy.hpp"
 #include "core/graph/values.hpp"
@@ -11,7 +13,29 @@
 namespace graft {
 
 enum class Algorithm { kLevenbergMarquardt, kGaussNewton, kDogleg };
-enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal };
+enum class InitialGuess { kAuto, kFile, kSpanningTree, kChordal, kPlugin };
+
+/// SolveOptions::level: edges of every level take part.
+constexpr std::int32_t kAllLevels = -1;
+
+/// How edges that contradict the others are found and switched off.
+enum class RobustEstimation { kNone, kTruncatedLeastSquares, kGemanMcClure };
+
+/// Graduated non-convexity, see core/solve/graduated.hpp. Edges that are not trusted
+/// may be switched off.
+struct Graduation {
+  RobustEstimation kind = RobustEstimation::kNone;
+  /// An edge is switched off where chi-square noise of its rank would exceed its squared
+  /// error with this probability.
+  double inlier_probability = 0.99;
+  /// Lowers thresholds where the edges that are kept show less noise than their
+  /// information matrices say.
+  bool fit_noise = true;
+  /// Trusts edges on one vertex, and those between two vertices of one type whose ids
+  /// follow each other among that type's: odometry.
+  bool trust_consecutive = true;
+  std::vector<std::string> trusted_tags;  ///< edges of these are trusted, too
+};
 
 /// One line of the log: what an iteration did.
 struct IterationRecord {
@@ -30,8 +54,11 @@ struct IterationRecord {
 struct SolveOptions {
   Algorithm algorithm = Algorithm::kLevenbergMarquardt;
   InitialGuess initial_guess = InitialGuess::kAuto;
+  std::string guess_name;  ///< for InitialGuess::kPlugin: which guess of the registry
   InformationPolicy information = InformationPolicy::kError;
   std::string linear_solver = "block";
+  Graduation graduation;
+  std::int32_t level = 0;  ///< edges of this level take part; kAllLevels = all
   int iterations = 100;
   int threads = 0;        ///< 0 = all processors; results do not depend on it
   double time_limit = 0;  ///< seconds, 0 = none; checked between iterations

@@ -107,8 +107,9 @@ std::string EdgeGroup::describe(const Graph& graph, std::int64_t edge) const {
   return text;
 }
 
-Problem::Problem(const Graph& graph, InformationPolicy policy) : graph_(&graph) {
-  compileEdges(policy);
+Problem::Problem(const Graph& graph, InformationPolicy policy, std::int32_t level)
+    : graph_(&graph) {
+  compileEdges(policy, level);
   chooseGauge();
   numberVertices();
   if (projected_ > 0) {
@@ -121,18 +122,23 @@ std::string Problem::describeVertex(VertexRef v) const {
   return std::string(graph_->type(v).tag) + " " + std::to_string(graph_->id(v));
 }
 
-void Problem::compileEdges(InformationPolicy policy) {
-  std::vector<const EdgeBlock*> blocks;
-  for (const EdgeBlock& block : graph_->edgeBlocks()) blocks.push_back(&block);
-  std::sort(blocks.begin(), blocks.end(), [](const EdgeBlock* a, const EdgeBlock* b) {
-    return std::strcmp(a->type->tag, b->type->tag) < 0;
+void Problem::compileEdges(InformationPolicy policy, std::int32_t level) {
+  const std::vector<EdgeBlock>& blocks = graph_->edgeBlocks();
+  std::vector<std::size_t> order(blocks.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&blocks](std::size_t a, std::size_t b) {
+    return std::strcmp(blocks[a].type->tag, blocks[b].type->tag) < 0;
   });
-  for (const EdgeBlock* block : blocks) compileBlock(*block, policy);
+  for (const std::size_t index : order) compileBlock(index, policy, level);
 }
 
-void Problem::compileBlock(const EdgeBlock& block, InformationPolicy policy) {
-  std::vector<std::size_t> order(block.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+void Problem::compileBlock(std::size_t index, InformationPolicy policy, std::int32_t level) {
+  const EdgeBlock& block = graph_->edgeBlocks()[index];
+  std::vector<std::size_t> order;
+  order.reserve(block.size());
+  for (std::size_t e = 0; e < block.size(); ++e) {
+    if (level == kAllLevels || block.levels[e] == level) order.push_back(e);
+  }
   const EdgeOrder before(*graph_, block);
   std::sort(order.begin(), order.end(), std::cref(before));
   bool first = true;
@@ -143,6 +149,7 @@ void Problem::compileBlock(const EdgeBlock& block, InformationPolicy policy) {
       first = false;
       EdgeGroup group;
       group.type = block.type;
+      group.block = index;
       group.arity = arity;
       group.error_dim = block.error_dims[e];
       group.measurement_dim = block.measurementDim(e);
@@ -158,10 +165,11 @@ void Problem::compileBlock(const EdgeBlock& block, InformationPolicy policy) {
     group.measurements.push_back(block.measurements.data() + block.measurement_begin[e]);
     group.kernels.push_back(block.kernels[e]);
     group.lines.push_back(block.lines[e]);
+    group.edges.push_back(std::int64_t(e));
     for (int k = 0; k < block.type->resource_count; ++k) {
-      const std::size_t index = e * std::size_t(block.type->resource_count) + std::size_t(k);
+      const std::size_t resource = e * std::size_t(block.type->resource_count) + std::size_t(k);
       group.resources.push_back(
-          graph_->resources()[std::size_t(block.resources[index])].data.get());
+          graph_->resources()[std::size_t(block.resources[resource])].data.get());
     }
     ++group.count;
     appendInformation(group, block.information.data() + block.information_begin[e], policy);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/graph/graph.hpp"
@@ -34,7 +35,15 @@ struct EdgeGroup {
   std::vector<const void*> resources;       ///< count x resource_count
   std::vector<std::int32_t> kernels;        ///< count; index into Graph::kernels() or -1
   std::vector<std::int64_t> lines;          ///< count
+  std::size_t block = 0;                    ///< of Graph::edgeBlocks()
+  std::vector<std::int64_t> edges;          ///< count; place in that block
+  /// count factors of rho, or empty = 1 each. An edge of weight 0 has no part in the
+  /// normal equations and in initial guesses.
+  std::vector<double> weights;
 
+  double weight(std::int64_t edge) const {
+    return weights.empty() ? 1.0 : weights[std::size_t(edge)];
+  }
   /// "EDGE_SE3:QUAT 3 4 (line 17)".
   std::string describe(const Graph& graph, std::int64_t edge) const;
 };
@@ -52,11 +61,21 @@ struct State {
 class Problem {
  public:
   /// Throws Error(kInput) for an information matrix that is not positive
-  /// semidefinite, unless `policy` says to project it.
-  Problem(const Graph& graph, InformationPolicy policy);
+  /// semidefinite, unless `policy` says to project it. Only edges of `level` take
+  /// part, or all if it is kAllLevels.
+  Problem(const Graph& graph, InformationPolicy policy, std::int32_t level = 0);
 
   const Graph& graph() const { return *graph_; }
   const std::vector<EdgeGroup>& groups() const { return groups_; }
+  /// Weights for the edges of a group, 0 or more. What was made of the normal equations'
+  /// pattern before holds only as long as no edge comes back from 0.
+  void setWeights(std::size_t group, std::vector<double> weights) {
+    groups_[group].weights = std::move(weights);
+  }
+  /// Takes the robust kernel off an edge.
+  void dropKernel(std::size_t group, std::int64_t edge) {
+    groups_[group].kernels[std::size_t(edge)] = -1;
+  }
   /// Vertices to be estimated: touched by an edge, not fixed, not held.
   const std::vector<VertexRef>& freeVertices() const { return free_; }
   const std::vector<std::int32_t>& dims() const { return dims_; }
@@ -77,8 +96,8 @@ class Problem {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
-  void compileEdges(InformationPolicy policy);
-  void compileBlock(const EdgeBlock& block, InformationPolicy policy);
+  void compileEdges(InformationPolicy policy, std::int32_t level);
+  void compileBlock(std::size_t index, InformationPolicy policy, std::int32_t level);
   void appendInformation(EdgeGroup& group, const double* upper, InformationPolicy policy);
   void chooseGauge();
   void numberVertices();

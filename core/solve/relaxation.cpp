@@ -5,8 +5,10 @@
 #include <algorithm>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/error.hpp"
 #include "core/solve/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -64,7 +66,9 @@ class Stage {
       const graft_edge_relaxation* relaxation = group.type->relaxation;
       if (relaxation == nullptr || relaxation->rows[stage_] == 0) continue;
       const EdgeBatch batch(group, g, state_, 0, group.count);
-      for (std::int64_t e = 0; e < group.count; ++e) collectEdge(group, batch, e);
+      for (std::int64_t e = 0; e < group.count; ++e) {
+        if (group.weight(e) > 0) collectEdge(group, batch, e);
+      }
     }
   }
 
@@ -93,10 +97,11 @@ class Stage {
     const double* pointer = information.data();
     graft_edge_batch one = batch.single(e);
     one.information = &pointer;
-    if (group.type->relaxation->equations(&one, stage_, equations.matrix.data(),
-                                          equations.right.data()) != GRAFT_OK) {
-      return;
-    }
+    const int status = callPlugin(Callback::kRelax, group.type->tag, [&] {
+      return group.type->relaxation->equations(&one, stage_, equations.matrix.data(),
+                                               equations.right.data());
+    });
+    if (status != GRAFT_OK) return;
     const bool usable = equations.matrix.allFinite() && equations.right.allFinite() &&
                         equations.matrix.squaredNorm() > 0;
     if (usable) equations_.push_back(std::move(equations));
@@ -162,7 +167,12 @@ class Stage {
         system.dims.data(),          system.columns.data(),
         system.rows.data(),          system.offsets.data()};
     BlockCholesky cholesky(&pool);
-    cholesky.analyze(pattern);
+    try {
+      cholesky.analyze(pattern);
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kNoResult) throw;
+      return error.what();
+    }
     const std::int32_t failed = cholesky.factorize(system.matrix.data(), nullptr);
     if (failed >= 0) {
       return "stage " + std::to_string(stage_ + 1) + " does not determine " +
@@ -176,7 +186,10 @@ class Stage {
       const VertexRef v = system.vertices[i];
       const Eigen::MatrixXd y = solution.middleRows(system.begins[i], system.dims[i]);
       if (!y.allFinite()) continue;
-      if (relaxationOf(v)->restore(stage_, y.data(), values.at(v)) != GRAFT_OK) continue;
+      const int status = callPlugin(Callback::kRelax, problem_.graph().type(v).tag, [&] {
+        return relaxationOf(v)->restore(stage_, y.data(), values.at(v));
+      });
+      if (status != GRAFT_OK) continue;
       settled[std::size_t(blockOf(v))] = 1;
     }
     return {};
@@ -234,7 +247,8 @@ class Stage {
       const int count = rowsOf(v);
       if (numberOf(blockOf(v), system) < 0) {
         Eigen::MatrixXd known(count, residual.cols());
-        relaxationOf(v)->relax(stage_, values.at(v), known.data());
+        callPlugin(Callback::kRelax, problem_.graph().type(v).tag,
+                   [&] { relaxationOf(v)->relax(stage_, values.at(v), known.data()); });
         residual -= equations.matrix.middleCols(at, count) * known;
       }
       at += count;

@@ -21,9 +21,9 @@ struct RelaxResult {
 /// back on the manifolds. For poses that is the chordal relaxation: rotations as
 /// free matrices, projected, and then translations. Fixed and held vertices stay;
 /// so do vertices and edges without a relaxation, which play no part. Robust
-/// kernels are left out. Deterministic. `only_overdetermined`: fails, early, where
-/// a stage has no more equations than unknowns, for then it can tell no more than
-/// a spanning tree.
+/// kernels and edges of weight 0 are left out. Deterministic. `only_overdetermined`: fails, early,
+/// where a stage has no more equations than unknowns, for then it can tell no more than a spanning
+/// tree.
 RelaxResult relaxEstimates(const Problem& problem, const State& state, ThreadPool& pool,
                            bool only_overdetermined = false);
 

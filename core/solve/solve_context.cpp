@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/plugin_call.hpp"
+
 namespace graft {
 
 namespace {
@@ -26,8 +28,8 @@ class PhaseTimer {
 
 }  // namespace
 
-SolveContext::SolveContext(const Problem& problem, LinearSolver& solver, ThreadPool& pool,
-                           std::map<std::string, double>& seconds)
+SolveContext::SolveContext(const Problem& problem, LinearSolver& solver, PatternMemory& memory,
+                           ThreadPool& pool, std::map<std::string, double>& seconds)
     : problem_(&problem),
       solver_(&solver),
       pool_(&pool),
@@ -35,7 +37,7 @@ SolveContext::SolveContext(const Problem& problem, LinearSolver& solver, ThreadP
       linearizer_(problem, pool),
       equations_(problem) {
   const PhaseTimer timer(*seconds_, "analyze");
-  solver_->analyze(equations_.pattern());
+  symbolic_reuse_ = memory.analyze(problem, equations_, solver);
   step_.resize(std::size_t(problem.dim()));
   scale_.resize(std::size_t(problem.dim()));
 }
@@ -94,8 +96,10 @@ bool SolveContext::evaluateTrial() {
     const std::vector<VertexRef>& free = problem_->freeVertices();
     for (std::size_t i = 0; i < free.size(); ++i) {
       const graft_vertex_type& type = problem_->graph().type(free[i]);
-      type.plus(1, state_.values.at(free[i]), step_.data() + problem_->offsets()[i],
-                trial_.values.at(free[i]));
+      callPlugin(Callback::kPlus, type.tag, [&] {
+        type.plus(1, state_.values.at(free[i]), step_.data() + problem_->offsets()[i],
+                  trial_.values.at(free[i]));
+      });
       // An estimate that is not finite makes an edge fail below, if it is used.
     }
   }

@@ -8,6 +8,7 @@
 
 #include "core/solve/linear_solver.hpp"
 #include "core/solve/normal_equations.hpp"
+#include "core/solve/pattern_memory.hpp"
 
 namespace graft {
 
@@ -26,10 +27,13 @@ class Stopwatch {
 /// are added to `seconds` by phase.
 class SolveContext {
  public:
-  SolveContext(const Problem& problem, LinearSolver& solver, ThreadPool& pool,
-               std::map<std::string, double>& seconds);
+  /// `memory`: of what the solver analyzed last.
+  SolveContext(const Problem& problem, LinearSolver& solver, PatternMemory& memory,
+               ThreadPool& pool, std::map<std::string, double>& seconds);
 
   /// Takes over a state whose chi2 is known.
+  /// See Linearizer::setInterrupt().
+  void setInterrupt(const std::atomic<int>* interrupt) { linearizer_.setInterrupt(interrupt); }
   void start(State state, double chi2);
   /// Forms the linear model at the state.
   Evaluation linearize();
@@ -60,6 +64,7 @@ class SolveContext {
   const Problem& problem() const { return *problem_; }
   bool hasAssociations() const { return linearizer_.hasAssociations(); }
   std::int64_t associationsChanged() const { return associations_changed_; }
+  SymbolicReuse symbolicReuse() const { return symbolic_reuse_; }
   int factorizations() const { return factorizations_; }
   /// Why the last factorisation failed, with the vertex.
   std::string describe(const LinearOutcome& outcome) const;
@@ -78,6 +83,7 @@ class SolveContext {
   std::int64_t trial_changed_ = 0;
   std::int64_t associations_changed_ = 0;
   int factorizations_ = 0;
+  SymbolicReuse symbolic_reuse_ = SymbolicReuse::kNothing;
   std::vector<double> step_;
   std::vector<double> scale_;
 };

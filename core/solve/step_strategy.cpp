@@ -14,6 +14,9 @@ constexpr double kSmallestGain = 1e-4;    ///< a step must bring this share of w
 constexpr double kRounding = 1e-13;       ///< of chi2: less is not a change
 constexpr double kLargestDamping = 1e12;  ///< beyond, steps are too short to matter
 constexpr double kSmallestDamping = 1e-16;
+/// Less damping than this hardly shortens a step: after a refusal there is no need to
+/// climb through what full steps have lowered it to.
+constexpr double kSmallestRaised = 1e-8;
 constexpr double kFullStepDamping = 1e-6;
 constexpr int kTrials = 10;  ///< per iteration
 
@@ -86,7 +89,7 @@ class LevenbergMarquardt : public StepStrategy {
 
  private:
   void raise() {
-    damping_ *= growth_;
+    damping_ = std::max(damping_ * growth_, kSmallestRaised);
     growth_ *= 2;
   }
   /// Faster down than Nielsen's rule where the model is merely fair: long loops

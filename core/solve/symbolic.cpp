@@ -4,14 +4,22 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/memory.hpp"
+
 namespace graft {
 
 namespace {
 
 using Index = std::int32_t;
 
+constexpr const char* kFactor = "the factor of the normal equations";
+constexpr const char* kAdvice = "; an iterative linear solver, such as pcg, makes no factor";
+
 /// Below this a factorisation is over before threads are awake.
 constexpr double kFlopsWorthThreads = 3e6;
+
+/// Small leaves under one front, from which on they have no update matrices.
+constexpr std::ptrdiff_t kLeavesWorthAbsorbing = 8;
 
 /// Nanoseconds that a front of k columns and m rows takes, roughly: what it
 /// costs to begin one, to move its numbers, and to compute (on whole strips).
@@ -44,14 +52,17 @@ class Analysis {
   Analysis(const graft_block_pattern& pattern, bool parallel)
       : pattern_(pattern), graph_(pattern), parallel_(parallel) {}
 
-  SymbolicFactor run() {
-    result_.ordering = chooseOrdering(graph_);
+  SymbolicFactor run(const std::vector<Index>& order) {
+    result_.ordering = order.empty() ? chooseOrdering(graph_) : keepOrdering(graph_, order);
+    // What the factor takes at least; found out exactly, it takes memory itself.
+    requireMemory(result_.ordering.entries * sizeof(double), kFactor, kAdvice);
     orderByTree();
     findRows();
     merge();
     renumber();
     layOut();
     findTargets();
+    requireMemory(result_.bytes(), kFactor, kAdvice);
     return std::move(result_);
   }
 
@@ -186,6 +197,7 @@ class Analysis {
       for (const Index child : s.children) {
         result_.supernodes[std::size_t(child)].parent = number[j];
       }
+      absorbLeaves(s);
       s.columns = int(node.column_dim);
       s.rows = int(node.row_dim);
       s.row_blocks = std::move(node.rows);
@@ -197,6 +209,21 @@ class Analysis {
     }
     for (std::size_t i = 0; i < order_.size(); ++i) position_[std::size_t(order_[i])] = Index(i);
     result_.blocks = order_;
+  }
+
+  /// Many small leaves under one front, as landmarks make them, would need more memory
+  /// for their updates than the factor has; few are faster with an update of their own.
+  void absorbLeaves(Supernode& s) {
+    const auto isSmallLeaf = [&](Index child) {
+      const Supernode& c = result_.supernodes[std::size_t(child)];
+      return c.children.empty() && c.columns <= kStrip;
+    };
+    const auto count = std::count_if(s.children.begin(), s.children.end(), isSmallLeaf);
+    if (count < kLeavesWorthAbsorbing) return;
+    s.absorbed_children = int(count);
+    for (const Index child : s.children) {
+      result_.supernodes[std::size_t(child)].absorbed = isSmallLeaf(child);
+    }
   }
 
   void layOut() {
@@ -233,6 +260,16 @@ class Analysis {
       }
     }
     if (parallel_ && result_.ordering.flops > kFlopsWorthThreads) findTasks();
+    layOutAllUpdates();
+    if (result_.tasks.empty() || fitsIntoMemory(result_.bytes())) return;
+    // Tasks share no memory for updates, which together may be three times as large.
+    result_.tasks.clear();
+    for (Supernode& s : result_.supernodes) s.task = -1;
+    result_.update_size = 0;
+    layOutAllUpdates();
+  }
+
+  void layOutAllUpdates() {
     for (const auto& task : result_.tasks) layOutUpdates(task);
     std::vector<Index> rest;
     for (std::size_t k = 0; k < result_.supernodes.size(); ++k) {
@@ -255,7 +292,7 @@ class Analysis {
     // From the roots down: small enough under a parent that is not begins a task.
     for (std::size_t k = nodes.size(); k-- > 0;) {
       const Index parent = nodes[k].parent;
-      if (parent >= 0 && nodes[std::size_t(parent)].task >= 0) {
+      if (parent >= 0 && (nodes[k].absorbed || nodes[std::size_t(parent)].task >= 0)) {
         nodes[k].task = nodes[std::size_t(parent)].task;
       } else if (work[k] < total / 16 && work[k] > total / 1024) {
         nodes[k].task = Index(result_.tasks.size());
@@ -278,7 +315,7 @@ class Analysis {
     const std::int64_t base = result_.update_size;
     for (const Index k : list) {
       Supernode& s = result_.supernodes[std::size_t(k)];
-      const std::int64_t size = std::int64_t{s.rows} * s.updateStride();
+      const std::int64_t size = s.absorbed ? 0 : std::int64_t{s.rows} * s.updateStride();
       if (size > 0) {
         std::int64_t begin = base;
         auto place = used.begin();
@@ -292,7 +329,7 @@ class Analysis {
       }
       for (const Index c : s.children) {
         const Supernode& child = result_.supernodes[std::size_t(c)];
-        if (child.task != s.task) continue;
+        if (child.task != s.task || child.absorbed) continue;
         const std::int64_t begin = child.update_offset;
         used.erase(std::find_if(used.begin(), used.end(),
                                 [&](const Interval& i) { return i.begin == begin; }));
@@ -351,8 +388,9 @@ class Analysis {
 
 }  // namespace
 
-SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel) {
-  return Analysis(pattern, parallel).run();
+SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel,
+                              const std::vector<std::int32_t>& order) {
+  return Analysis(pattern, parallel).run(order);
 }
 
 }  // namespace graft

@@ -32,6 +32,10 @@ struct Supernode {
   /// Where the update matrix begins; its columns are updateStride() apart.
   std::int64_t update_offset = 0;
   std::int32_t task = -1;  ///< the task it belongs to, -1 = none
+  /// A leaf of few columns, e.g. a landmark: it is factored with its parent, and its
+  /// update goes there at once, without a matrix of its own.
+  bool absorbed = false;
+  int absorbed_children = 0;
 
   int columnStrips() const { return stripsOf(columns); }
   int rowStrips() const { return stripsOf(rows); }
@@ -67,12 +71,18 @@ struct SymbolicFactor {
   std::int64_t factor_size = 0;
   std::int64_t update_size = 0;
   std::int64_t dim = 0;
+
+  /// What the numbers of a factorisation take.
+  double bytes() const { return sizeof(double) * (double(factor_size) + double(update_size)); }
 };
 
 /// Orders, finds the elimination tree, merges columns into supernodes where the
 /// zeros that come in cost less than what a front of its own costs, and lays out
 /// memory. `parallel`: also finds tasks, if there is enough to do; the factor has
-/// the same bits either way.
-SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel = false);
+/// the same bits either way. `order`, if not empty: the elimination order (position ->
+/// block) to take instead of choosing one. Throws Error(kNoResult) where the factor is
+/// larger than what memory is free.
+SymbolicFactor analyzePattern(const graft_block_pattern& pattern, bool parallel = false,
+                              const std::vector<std::int32_t>& order = {});
 
 }  // namespace graft

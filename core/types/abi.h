@@ -27,7 +27,7 @@ extern "C" {
 
 #define GRAFT_ABI_MAGIC 0x54465247u /* "GRFT" in little-endian bytes */
 #define GRAFT_ABI_MAJOR 1u
-#define GRAFT_ABI_MINOR 1u
+#define GRAFT_ABI_MINOR 2u
 #define GRAFT_STAMP_SECTION ".graft.stamp"
 #define GRAFT_METADATA_SECTION ".graft.meta"
 #define GRAFT_REGISTER_SYMBOL "graft_plugin_register"
@@ -270,6 +270,40 @@ typedef struct graft_loader_type {
   int (*load)(const char* path, const graft_graph_sink* sink);
 } graft_loader_type;
 
+/* ---- initial guesses ---------------------------------------------------- */
+
+/* Edges of one type and one shape, as a guess sees them. The batch points into the
+ * problem's estimates, so that callbacks of the type see at once what a guess writes;
+ * its information is given. */
+typedef struct graft_guess_group {
+  uint32_t struct_size;
+  const graft_edge_type* type;
+  const int64_t* vertices; /* batch.count * arity indices into the problem's vertices */
+  graft_edge_batch batch;
+} graft_guess_group;
+
+/* Vertices by rising id; groups by tag and shape, edges of a group by vertex ids. */
+typedef struct graft_guess_problem {
+  uint32_t struct_size;
+  int64_t vertex_count;
+  const graft_vertex_type* const* types;
+  const int64_t* ids;
+  const uint8_t* held;      /* 1 = fixed, or holds the gauge: must keep its estimate */
+  double* const* estimates; /* to be written where not held */
+  uint8_t* placed;          /* to be set to 1 where an estimate was written */
+  int64_t group_count;
+  const graft_guess_group* groups;
+} graft_guess_problem;
+
+typedef struct graft_guess_type {
+  uint32_t struct_size;
+  const char* name;
+  const char* doc;
+  /* Writes estimates to begin with. What it leaves open is placed along spanning trees
+   * that begin at what it placed. GRAFT_FAILED, with the reason, if it has no guess. */
+  int (*guess)(const graft_guess_problem* problem, graft_message* message);
+} graft_guess_type;
+
 /* ---- registration ------------------------------------------------------- */
 
 typedef struct graft_registrar {
@@ -281,6 +315,7 @@ typedef struct graft_registrar {
   void (*add_kernel_type)(void* host, const graft_kernel_type* type);
   void (*add_solver_type)(void* host, const graft_solver_type* type);
   void (*add_loader_type)(void* host, const graft_loader_type* type);
+  void (*add_guess_type)(void* host, const graft_guess_type* type);
 } graft_registrar;
 
 typedef int (*graft_register_function)(const graft_registrar* registrar, graft_message* message);

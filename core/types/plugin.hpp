@@ -47,6 +47,9 @@ class PluginRegistry {
   void addLoader(const graft_loader_type& type) {
     registrar_->add_loader_type(registrar_->host, &type);
   }
+  void addGuess(const graft_guess_type& type) {
+    registrar_->add_guess_type(registrar_->host, &type);
+  }
 
  private:
   const graft_registrar* registrar_;

@@ -2,6 +2,9 @@
 #include "core/types/registry.hpp"
 
 #include <algorithm>
+#include <cstdio>
+
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -135,6 +138,16 @@ void stageLoader(void* host, const graft_loader_type* type) {
   staging.entries.push_back({{Kind::kLoader, type->name}, type});
 }
 
+void stageGuess(void* host, const graft_guess_type* type) {
+  auto& staging = *static_cast<Staging*>(host);
+  if (!checkHeader(staging, type, type->name)) return;
+  if (!type->guess) staging.defect(type->name, "a callback is null");
+  for (const char* reserved : {"auto", "file", "spanning-tree", "chordal"}) {
+    if (std::string(type->name) == reserved) staging.defect(type->name, "the name is built in");
+  }
+  staging.entries.push_back({{Kind::kGuess, type->name}, type});
+}
+
 }  // namespace
 
 const char* kindName(Kind kind) {
@@ -151,6 +164,8 @@ const char* kindName(Kind kind) {
       return "linear solver";
     case Kind::kLoader:
       return "file loader";
+    case Kind::kGuess:
+      return "initial guess";
   }
   return "type";
 }
@@ -171,6 +186,7 @@ const PluginRecord& Registry::registerPlugin(const std::string& name, const std:
   registrar.add_kernel_type = &stageKernel;
   registrar.add_solver_type = &stageSolver;
   registrar.add_loader_type = &stageLoader;
+  registrar.add_guess_type = &stageGuess;
   graft_message message = {};
   if (entry(&registrar, &message) != GRAFT_OK) {
     fail("the plugin's registration failed: " + std::string(message.text));
@@ -222,6 +238,9 @@ const graft_solver_type* Registry::solver(const std::string& name) {
 const graft_loader_type* Registry::loader(const std::string& name) {
   return static_cast<const graft_loader_type*>(find(Kind::kLoader, name));
 }
+const graft_guess_type* Registry::guess(const std::string& name) {
+  return static_cast<const graft_guess_type*>(find(Kind::kGuess, name));
+}
 
 std::vector<Provided> Registry::provided() const {
   std::vector<Provided> all;
@@ -249,6 +268,29 @@ std::string Registry::advice(const Provided& wanted) const {
   }
   if (!nearest.empty()) text += " (did you mean " + nearest + "?)";
   return text;
+}
+
+bool edgeShape(const graft_edge_type& type, int arity, int& error_dim, int& measurement_dim,
+               graft_message& message) {
+  const auto fail = [&message](const std::string& text) {
+    std::snprintf(message.text, sizeof message.text, "%s", text.c_str());
+    return false;
+  };
+  if (arity <= 0) return fail("needs vertices");
+  error_dim = type.error_dim;
+  measurement_dim = type.measurement_dim;
+  if (type.arity != GRAFT_DYNAMIC) return true;
+  std::int32_t errors = 0;
+  std::int32_t measurements = 0;
+  const auto shape = [&] { return type.shape(arity, &errors, &measurements, &message); };
+  if (callPlugin(Callback::kShape, type.tag, message, shape) != GRAFT_OK) return false;
+  if (!isDim(errors) || measurements < 0 || measurements > kMaximumDim) {
+    return fail("its shape() says " + std::to_string(errors) + " errors, " +
+                std::to_string(measurements) + " measured numbers" + ofPlugin(type.tag));
+  }
+  error_dim = errors;
+  measurement_dim = measurements;
+  return true;
 }
 
 std::size_t editDistance(const std::string& a, const std::string& b) {

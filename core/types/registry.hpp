@@ -12,7 +12,10 @@
 namespace graft {
 
 /// Kinds of things that plugins provide.
-enum class Kind { kVertex, kEdge, kResource, kKernel, kSolver, kLoader };
+enum class Kind { kVertex, kEdge, kResource, kKernel, kSolver, kLoader, kGuess };
+/// All of them, in this order.
+constexpr Kind kAllKinds[] = {Kind::kVertex, Kind::kEdge,   Kind::kResource, Kind::kKernel,
+                              Kind::kSolver, Kind::kLoader, Kind::kGuess};
 const char* kindName(Kind kind);
 
 /// One thing that a plugin provides: its kind and tag (or name).
@@ -61,6 +64,7 @@ class Registry {
   const graft_kernel_type* kernel(const std::string& name);
   const graft_solver_type* solver(const std::string& name);
   const graft_loader_type* loader(const std::string& name);
+  const graft_guess_type* guess(const std::string& name);
 
   bool has(const Provided& wanted) const { return entries_.count(wanted) > 0; }
   /// What is registered now, sorted by kind and name.
@@ -91,6 +95,11 @@ inline const char* slotType(const graft_edge_type& type, int k) {
   const bool further = type.arity == GRAFT_DYNAMIC && k >= type.dynamic_slots;
   return type.slot_types[further ? type.dynamic_slots - 1 : k];
 }
+
+/// Dimensions of an edge type over `arity` vertices; false with a text where it has none,
+/// or its shape() says what cannot be.
+bool edgeShape(const graft_edge_type& type, int arity, int& error_dim, int& measurement_dim,
+               graft_message& message);
 
 /// Levenshtein distance, for "did you mean".
 std::size_t editDistance(const std::string& a, const std::string& b);

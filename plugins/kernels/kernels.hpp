@@ -5,7 +5,8 @@
 
 // Robust kernels: rho, rho' and rho'' as functions of the squared error s >= 0,
 // with w the width in g2o's conventions: in units of the error (its square for
-// GemanMcClure and DCS). All have rho(0) = 0 and rho'(0) = 1.
+// GemanMcClure and DCS). Values and weights are those of g2o's kernels of the
+// same names, except for DCS, see there. All have rho(0) = 0 and rho'(0) = 1.
 
 namespace graft {
 
@@ -116,10 +117,12 @@ struct Saturated {
   }
 };
 
-/// Dynamic covariance scaling: weight min(1, 2w/(w+s))^2. The cost is the one
-/// whose derivative is that weight (MacTavish and Barfoot, "At all costs", 2015,
-/// table 1), so that a solver that needs the cost to fall with its gradient can
-/// use it; g2o reports weight times s instead.
+/// Dynamic covariance scaling (Agarwal, Tipaldi, Spinello, Stachniss, Burgard, ICRA 2013):
+/// weight min(1, 2w/(w+s))^2. The cost is the one whose derivative is that weight
+/// (MacTavish and Barfoot, "At all costs", 2015, table 1). The only kernel that is not
+/// g2o's: there the cost is weight times s, which beyond w falls from w back to 0, so
+/// that its derivative, which g2o takes as the weight, is negative. Errors would be
+/// driven apart, and no solver that lets its cost fall could use it.
 struct Dcs {
   static constexpr auto name = "DCS";
   static constexpr auto doc =

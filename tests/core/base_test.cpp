@@ -3,6 +3,8 @@
 
 #include <clocale>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <random>
@@ -108,6 +110,59 @@ TEST(Diagnostics, ShowsTwentyAndCountsTheRest) {
   EXPECT_EQ(text.find("f:21:"), std::string::npos);
   EXPECT_NE(text.find("... and 5 more errors"), std::string::npos);
   EXPECT_THROW(diagnostics.throwIfErrors(), Error);
+}
+
+TEST(Messages, ShowNoByteThatATerminalMayTakeForACommand) {
+  EXPECT_EQ(quoted("a\x1b[2J"), "'a\\x1b[2J'");
+  EXPECT_EQ(quoted("\x7f\r"), "'\\x7f\\x0d'");
+  EXPECT_EQ(quoted("\x9b"
+                   "31m"),
+            "'\\x9b31m'");  // CSI as one byte
+  EXPECT_EQ(quoted("\xc2\x9b"
+                   "31m"),
+            "'\\xc2\\x9b31m'");  // and as a character
+  EXPECT_EQ(quoted("gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80"),
+            "'gr\xc3\xbc\xc3\x9f \xe2\x82\xac \xf0\x9f\x98\x80'");
+  EXPECT_EQ(quoted("\xc3"), "'\\xc3'");
+  EXPECT_EQ(quoted("\xc0\xaf"), "'\\xc0\\xaf'");  // overlong
+}
+
+/// A locale with a decimal comma, made where the system has none; skips without a source.
+class DecimalComma : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string folder = testing::makeTemporaryDirectory();
+    const std::string make = "localedef -i de_DE -f UTF-8 " + folder + "/de_DE.UTF-8 2>&1";
+    testing::runCommand(make);
+    ::setenv("LOCPATH", folder.c_str(), 1);
+    if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) {
+      GTEST_SKIP() << "no source of a German locale";
+    }
+  }
+  void TearDown() override {
+    std::setlocale(LC_ALL, "C");
+    ::unsetenv("LOCPATH");
+  }
+};
+
+TEST_F(DecimalComma, DoesNotChangeNumbers) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.1f", 1.5);
+  ASSERT_STREQ(text, "1,5") << "the locale has no effect";
+  double value = 0;
+  EXPECT_EQ(parseDouble("-1234.5e-3", value), NumberStatus::kOk);
+  EXPECT_EQ(value, -1.2345);
+  EXPECT_EQ(parseDouble("1,5", value), NumberStatus::kDecimalComma);
+  EXPECT_EQ(formatDouble(-1234.5), "-1234.5");
+  std::mt19937_64 random(8);
+  for (int i = 0; i < 10000; ++i) {
+    const std::uint64_t bits = random();
+    double number = 0;
+    std::memcpy(&number, &bits, sizeof number);
+    if (!std::isfinite(number)) continue;
+    EXPECT_EQ(parseDouble(formatDouble(number), value), NumberStatus::kOk);
+    EXPECT_EQ(std::memcmp(&value, &number, sizeof value), 0) << formatDouble(number);
+  }
 }
 
 TEST(ReadFile, RefusesFoldersAndMissingFiles) {

@@ -17,6 +17,23 @@ if grep -rlF "$source" "$prefix/lib/cmake" "$prefix"/lib/*/cmake 2>/dev/null; th
   fail "the CMake package names the source tree"
 fi
 
+# What is installed are the entries that core/README.md lists, and what they include.
+include=$prefix/include/graft
+sed -n '/^Public headers/,/^A complete/p' "$source/core/README.md" |
+  grep -o '`[a-z]*/[a-z0-9_]*\.h[p]*`' | tr -d '`' >"$work/entries"
+[ "$(wc -l <"$work/entries")" -ge 10 ] || fail "core/README.md lists no public headers"
+while read -r entry; do
+  [ -f "$include/core/$entry" ] || fail "$entry is listed in core/README.md and not installed"
+  echo "#include \"core/$entry\"" >"$work/alone.cpp"
+  "$compiler" -std=c++17 -fsyntax-only -I "$include" -isystem /usr/include/eigen3 \
+    "$work/alone.cpp" || fail "$entry does not compile alone"
+  cat "$work/alone.cpp" >>"$work/all.cpp"
+done <"$work/entries"
+"$compiler" -std=c++17 -M -I "$include" -isystem /usr/include/eigen3 "$work/all.cpp" |
+  tr ' \\' '\n\n' | grep "^$include/" | sort -u >"$work/reached"
+find "$include" -type f | sort >"$work/installed"
+diff "$work/reached" "$work/installed" || fail "installed headers are not those in use"
+
 "$cmake" -S "$source/tests/install/consumer" -B "$work/build" -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_BUILD_TYPE=Release \
   -DTUTORIALS="$source/apps/tutorials" >"$work/configure.log" 2>&1 ||

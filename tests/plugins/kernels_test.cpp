@@ -101,5 +101,56 @@ TEST(Kernels, HuberByHand) {
   EXPECT_EQ(r[1], 2.0 / 3.0);
 }
 
+/// g2o's kernels as the literature gives them, by value and weight, written independently
+/// (Zhang, "Parameter estimation techniques", 1997; for Geman and McClure the width takes
+/// the place of a squared error).
+std::array<double, 2> asInG2o(const std::string& name, double s, double w) {
+  const double e = std::sqrt(s);
+  const double q = s / (w * w);
+  const bool inside = e <= w;
+  if (name == "Huber") return {inside ? s : w * (2 * e - w), inside ? 1 : w / e};
+  if (name == "PseudoHuber") return {2 * w * w * (std::sqrt(1 + q) - 1), 1 / std::sqrt(1 + q)};
+  if (name == "Cauchy") return {w * w * std::log(1 + q), 1 / (1 + q)};
+  if (name == "GemanMcClure") return {w * s / (w + s), std::pow(w / (w + s), 2)};
+  if (name == "Welsch") return {w * w * (1 - std::exp(-q)), std::exp(-q)};
+  if (name == "Fair") return {2 * w * w * (e / w - std::log(1 + e / w)), 1 / (1 + e / w)};
+  if (name == "Tukey") {
+    return {w * w / 3 * (inside ? 1 - std::pow(1 - q, 3) : 1), inside ? std::pow(1 - q, 2) : 0};
+  }
+  return {inside ? s : w * w, inside ? 1.0 : 0.0};  // Saturated
+}
+
+TEST_P(KernelTest, IsThatOfG2o) {
+  const std::string name = GetParam().name;
+  if (name == "DCS") return;  // on purpose, see Kernels.DcsHasTheWeightOfItsPaper
+  for (const double w : {0.3, 1.0, 2.5}) {
+    for (const double s : {0.01, 0.5, 0.99, 1.01, 4.0, 9.0, 100.0}) {
+      const auto expected = asInG2o(name, s, w);
+      EXPECT_NEAR(rho(s, w)[0], expected[0], 1e-12 * (1 + expected[0])) << s << ' ' << w;
+      EXPECT_NEAR(rho(s, w)[1], expected[1], 1e-14) << s << ' ' << w;
+    }
+  }
+}
+
+TEST(Kernels, DcsHasTheWeightOfItsPaper) {
+  const auto cost = [](double s, double w) {
+    double r[3];
+    Dcs::evaluate(s, w, r);
+    return r[0];
+  };
+  for (const double w : {0.3, 1.0, 2.5}) {
+    for (const double s : {0.01, 0.5, 0.99, 1.01, 4.0, 9.0, 100.0}) {
+      double r[3];
+      Dcs::evaluate(s, w, r);
+      const auto scale = [w](double t) { return std::min(1.0, 2 * w / (w + t)); };
+      EXPECT_NEAR(r[1], std::pow(scale(s), 2), 1e-14);
+      // g2o's cost, scale^2 s, falls where s > w, which no descent can use.
+      const double more = 1.1 * s;
+      EXPECT_EQ(std::pow(scale(more), 2) * more < std::pow(scale(s), 2) * s, s >= w) << s;
+      EXPECT_GT(cost(more, w), cost(s, w));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace graft

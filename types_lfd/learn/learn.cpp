@@ -122,8 +122,8 @@ class Extractor {
   GraphLayout layout_;
 };
 
-void extractGrasp(const Extractor& extractor, const Values& values, const Graph& graph,
-                  Registry& registry, LearnResult& result) {
+void extractGrasp(const Extractor& extractor, const Values& values, const Graph& graph, int threads,
+                  LearnResult& result) {
   LearnedGrasp& grasp = result.grasp;
   grasp.object_T_hand = extractor.pose(values, GraphLayout::kHumanGrasp);
   grasp.object_T_gripper = extractor.pose(values, GraphLayout::kRobotGrasp);
@@ -145,7 +145,7 @@ void extractGrasp(const Extractor& extractor, const Values& values, const Graph&
   std::vector<VertexRef> vertices;
   for (const std::int64_t id : ids) vertices.push_back(graph.find(id));
   const std::vector<Eigen::MatrixXd> blocks =
-      marginalCovariances(graph, values, registry, vertices);
+      marginalCovariances(graph, values, vertices, {InformationPolicy::kError, threads});
   for (std::size_t k = 0; k < blocks.size(); ++k) grasp.covariance[names[k]] = blocks[k];
 }
 
@@ -275,7 +275,7 @@ LearnResult learn(const RecordedTask& recorded, std::size_t mode,
   result.table_after.ik_achievable =
       double(result.refinement.solved) / double(result.refinement.tuples);
   result.residual_per_dof = observationResidualPerDof(result.task.demonstrations, result.after);
-  extractGrasp(extractor, loaded.values, loaded.graph, registry, result);
+  extractGrasp(extractor, loaded.values, loaded.graph, options.threads, result);
   phases.begin("fit");
   result.model = fitMotionModel(result.task.task.name, result.after, diagnostics);
   phases.end();

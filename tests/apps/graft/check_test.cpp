@@ -40,6 +40,18 @@ TEST_F(Check, NamesComponentsAndWhatEdgesLeaveOpen) {
   expectSaid(result.out, "chi2 at the estimates of the file: 0");
 }
 
+TEST_F(Check, OptimizeNamesWhatABearingAloneLeavesOpen) {
+  const std::string text =
+      "VERTEX_SE2 0 0 0 0\nFIX 0\nVERTEX_XY 2 3 0\nEDGE_BEARING_SE2_XY 0 2 0.1 5\n";
+  const testing::CommandResult damped = run("optimize", text);
+  EXPECT_EQ(damped.exit_code, 0) << damped.err;
+  expectSaid(damped.err, "note: no edge determines this: VERTEX_XY 2 is free along (");
+  const testing::CommandResult undamped = run("optimize --algorithm gn --initial-guess file", text);
+  EXPECT_EQ(undamped.exit_code, 4);
+  expectSaid(undamped.err, "note: no edge determines this: VERTEX_XY 2 is free along (1 x)");
+  expectSaid(undamped.err, "(VERTEX_XY 2 is free along (1 x))");
+}
+
 TEST_F(Check, NamesOddWeights) {
   std::string text = "VERTEX_XY 0 0 0\nFIX 0\n";
   for (int i = 1; i < 8; ++i) {

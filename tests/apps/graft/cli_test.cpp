@@ -50,6 +50,26 @@ TEST(Cli, WrongUseIsSaid) {
       {"optimize IN --robust-kernel Huber --kernel-width 0", 2, "--kernel-width"},
       {"optimize IN --robust-kernel Huber --kernel-width nan", 2, "--kernel-width"},
       {"optimize IN --kernel-width 1", 2, "--robust-kernel"},
+      {"optimize IN --robust-kernel Huber:0", 2, "--robust-kernel: expected a positive number"},
+      {"optimize IN --robust-kernel EDGE_SE2=Huber:x", 2, "--robust-kernel: expected a positive"},
+      {"optimize IN --robust-kernel EDGE_SE2=Hubert", 2, "unknown robust kernel 'Hubert'"},
+      {"optimize IN --robust-kernel =Huber", 2, "--robust-kernel: no tag before '='"},
+      {"optimize IN --robust-kernel EDGE_SE3=Huber", 2, "no edge has the tag 'EDGE_SE3'"},
+      {"optimize IN --robust-kernel Huber --robust-kernel Cauchy", 2, "two kernels for all edges"},
+      {"optimize IN --level -1", 2, "--level: expected 'all' or a number from 0, got '-1'"},
+      {"optimize IN --level x", 2, "--level: expected"},
+      {"optimize IN --gnc huber", 2, "--gnc"},
+      {"optimize IN --gnc tls --robust-kernel Huber", 2, "--gnc excludes --robust-kernel|excludes"},
+      {"optimize IN --gnc-trust none", 2, "--gnc"},
+      {"optimize IN --gnc-inlier-probability 0.9", 2, "--gnc"},
+      {"optimize IN --gnc-level 1", 2, "--gnc"},
+      {"optimize IN --gnc tls --gnc-inlier-probability 1", 2, "number between 0 and 1"},
+      {"optimize IN --gnc tls --gnc-inlier-probability 0", 2, "number between 0 and 1"},
+      {"optimize IN --gnc tls --gnc-inlier-probability nan", 2, "gnc-inlier-probability"},
+      {"optimize IN --gnc tls --gnc-trust EDGE_SE3", 2, "no edge has the tag 'EDGE_SE3'"},
+      {"optimize IN --gnc tls --gnc-trust none --gnc-trust EDGE_SE2", 2, "none cannot be combined"},
+      {"optimize IN --gnc tls --gnc-noise loud", 2, "--gnc-noise"},
+      {"optimize IN --gnc tls --gnc-level 0", 2, "--gnc-level"},
       {"optimize IN --linear-solver magic", 2, "unknown linear solver 'magic' \\(known: block"},
       {"optimize IN -o - --json -", 2, "only one of"},
       {"optimize /nonexistent.g2o", 3, "/nonexistent.g2o: error: No such file"},
@@ -79,10 +99,26 @@ TEST(Cli, HelpAndVersion) {
   EXPECT_EQ(graft("--version").exit_code, 0);
   EXPECT_NE(graft("--help").out.find("optimize"), std::string::npos);
   const std::string help = graft("optimize --help").out;
-  for (const char* option :
-       {"--output", "--iterations", "--algorithm", "--linear-solver", "--plugin", "--robust-kernel",
-        "--kernel-width", "--initial-guess", "--lenient", "--information", "--time-limit",
-        "--threads", "--covariance", "--json"}) {
+  for (const char* option : {"--output",
+                             "--iterations",
+                             "--algorithm",
+                             "--linear-solver",
+                             "--plugin",
+                             "--robust-kernel",
+                             "--kernel-width",
+                             "--initial-guess",
+                             "--lenient",
+                             "--information",
+                             "--time-limit",
+                             "--threads",
+                             "--covariance",
+                             "--json",
+                             "--level",
+                             "--gnc",
+                             "--gnc-trust",
+                             "--gnc-noise",
+                             "--gnc-inlier-probability",
+                             "--gnc-level"}) {
     EXPECT_NE(help.find(option), std::string::npos) << option;
   }
 }
@@ -93,8 +129,26 @@ TEST(Cli, JsonHasExactlyTheseKeys) {
   const auto document = nlohmann::json::parse(result.out);
   std::set<std::string> keys;
   for (const auto& item : document.items()) keys.insert(item.key());
-  EXPECT_EQ(keys, (std::set<std::string>{"status", "reason", "iterations", "chi2_initial",
-                                         "chi2_final", "vertices", "edges", "threads", "seconds"}));
+  EXPECT_EQ(keys, (std::set<std::string>{"status",
+                                         "reason",
+                                         "iterations",
+                                         "chi2_initial",
+                                         "chi2_final",
+                                         "vertices",
+                                         "edges",
+                                         "threads",
+                                         "seconds",
+                                         "start",
+                                         "chi2_start",
+                                         "chi2_by_tag",
+                                         "linear_solver",
+                                         "ordering",
+                                         "factor_flops",
+                                         "factor_bytes",
+                                         "associations_changed",
+                                         "notes",
+                                         "phases",
+                                         "log"}));
   keys.clear();
   for (const auto& item : document["seconds"].items()) keys.insert(item.key());
   EXPECT_EQ(keys, (std::set<std::string>{"load", "initial_guess", "solve", "write", "total"}));
@@ -103,6 +157,29 @@ TEST(Cli, JsonHasExactlyTheseKeys) {
   EXPECT_EQ(document["chi2_final"], 0.0);
   EXPECT_EQ(document["vertices"], 2);
   EXPECT_GE(document["seconds"]["total"], document["seconds"]["solve"]);
+}
+
+TEST(Cli, TheLogTellsEveryIterationInJsonAndInTheSummary) {
+  const std::string path = testing::makeTemporaryDirectory() + "/g.g2o";
+  ASSERT_EQ(graft("simulate manhattan --size 60 --seed 3 -o " + path).exit_code, 0);
+  const std::string json = path + ".json";
+  const testing::CommandResult result = graft("optimize " + path + " --json " + json);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto document = nlohmann::json::parse(testing::readTestFile(json));
+  const auto& log = document["log"];
+  ASSERT_EQ(log.size(), document["iterations"].get<std::size_t>() + 1);
+  EXPECT_EQ(log.front()["chi2"], document["chi2_start"]);
+  EXPECT_EQ(log.back()["chi2"], document["chi2_final"]);
+  double chi2 = 0;
+  for (const auto& share : document["chi2_by_tag"]) chi2 += share.get<double>();
+  EXPECT_NEAR(chi2, document["chi2_final"].get<double>(), 1e-9 * chi2);
+  for (std::size_t i = 1; i < log.size(); ++i) {
+    EXPECT_NEAR(log[i - 1]["chi2"].get<double>() - log[i]["chi2"].get<double>(),
+                log[i]["chi2_change"].get<double>(), 1e-9 * log[0]["chi2"].get<double>());
+    EXPECT_GE(log[i]["factorizations"], 1);
+    EXPECT_NE(result.out.find("\n    " + std::to_string(i) + " "), std::string::npos) << result.out;
+  }
+  EXPECT_NE(result.out.find("factorize "), std::string::npos) << result.out;
 }
 
 TEST(Cli, Chi2InitialIsNullWithoutVertices) {

@@ -243,5 +243,50 @@ TEST(G2o, ALongListOfDefectsIsCutAndCounted) {
   }
 }
 
+TEST(G2o, KernelsAndLevelsBelongToTheEdgeBefore) {
+  const std::string text =
+      "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 2 0 0\n"
+      "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nROBUST_KERNEL Huber 1.5\nG2O_EDGE_LEVEL 2\n"
+      "EDGE_SE2 0 2 2 0 0 1 0 0 1 0 1\nROBUST_KERNEL Cauchy 0.1\n"
+      "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\nG2O_EDGE_LEVEL 1\n"
+      "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n";
+  const LoadedGraph loaded = load(text);
+  const EdgeBlock& block = loaded.graph.edgeBlocks().front();
+  EXPECT_EQ(block.levels, (std::vector<std::int32_t>{2, 0, 1, 0}));
+  ASSERT_EQ(loaded.graph.kernels().size(), 2u);
+  EXPECT_STREQ(loaded.graph.kernels()[std::size_t(block.kernels[0])].type->name, "Huber");
+  EXPECT_EQ(loaded.graph.kernels()[std::size_t(block.kernels[0])].width, 1.5);
+  EXPECT_STREQ(loaded.graph.kernels()[std::size_t(block.kernels[1])].type->name, "Cauchy");
+  EXPECT_EQ(block.kernels[2], -1);
+  EXPECT_EQ(block.kernels[3], -1);
+  const std::string written = rewritten(text);
+  EXPECT_EQ(rewritten(written), written);
+  // The two edges that differ in their level alone are written by rising level.
+  const std::string sorted =
+      "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 2 0 0\n"
+      "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nROBUST_KERNEL Huber 1.5\nG2O_EDGE_LEVEL 2\n"
+      "EDGE_SE2 0 2 2 0 0 1 0 0 1 0 1\nROBUST_KERNEL Cauchy 0.1\n"
+      "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\n"
+      "EDGE_SE2 1 2 1 0 0 1 0 0 1 0 1\nG2O_EDGE_LEVEL 1\n";
+  EXPECT_EQ(written, sorted);
+  // A level of 0 is what an edge without the line has, and blank lines and comments
+  // between an edge and what belongs to it do not matter.
+  EXPECT_EQ(rewritten("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n\n# here\nG2O_EDGE_LEVEL 0\n"),
+            rewritten("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"));
+}
+
+TEST(G2o, LenientSkipsWhatBelongsToASkippedLine) {
+  Engine engine;
+  Diagnostics diagnostics;
+  LoadOptions lenient;
+  lenient.lenient = true;
+  const LoadedGraph loaded = load("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nBAR 1 2\nG2O_EDGE_LEVEL 1\n",
+                                  engine, diagnostics, lenient);
+  EXPECT_EQ(loaded.graph.edgeBlocks().front().levels.front(), 0);
+  EXPECT_NE(diagnostics.text().find("g.g2o:3: warning: G2O_EDGE_LEVEL of a line that was not read"),
+            std::string::npos)
+      << diagnostics.text();
+}
+
 }  // namespace
 }  // namespace graft

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <elf.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <regex>
 
 #include "core/plugin/engine.hpp"
+#include "core/plugin/plugin_library.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -118,6 +122,109 @@ TEST(NoPlugin, DamagedHeadersNeverCrashTheReader) {
       const std::string path = testing::writeTestFile(folder, "libgraft_damaged.so", damaged);
       EXPECT_NE(failureOf(path), "was loaded");
     }
+  }
+}
+
+/// A copy of a good plugin with one 16-bit or 8-bit field of its header set.
+std::string withHeader(const std::string& folder, std::size_t offset, std::size_t size,
+                       unsigned value) {
+  std::string bytes = testing::readTestFile(badPlugin("fine"));
+  for (std::size_t i = 0; i < size; ++i) bytes[offset + i] = char(value >> (8 * i) & 0xffu);
+  return testing::writeTestFile(folder, "libgraft_patched.so", bytes);
+}
+
+TEST(NoPlugin, LibrariesOfOtherMachinesSayForWhich) {
+  const std::string folder = testing::makeTemporaryDirectory();
+  const auto expectSays = [](const std::string& path, const char* part) {
+    const std::string text = failureOf(path);
+    EXPECT_NE(text.find(std::string("libgraft_patched.so: error: not a plugin: ") + part),
+              std::string::npos)
+        << text;
+  };
+  // Of no machine that this could run on: the Tilera TILE-Gx.
+  expectSays(withHeader(folder, offsetof(Elf64_Ehdr, e_machine), 2, EM_TILEGX),
+             "it is for another processor (ELF machine 191, this program ");
+  expectSays(withHeader(folder, EI_CLASS, 1, ELFCLASS32), "it is no 64-bit library");
+  expectSays(withHeader(folder, EI_DATA, 1, ELFDATA2MSB), "it is for another byte order");
+  expectSays(withHeader(folder, offsetof(Elf64_Ehdr, e_type), 2, ET_EXEC),
+             "it is no shared library");
+  expectSays(withHeader(folder, offsetof(Elf64_Ehdr, e_type), 2, ET_CORE),
+             "it is no shared library");
+}
+
+TEST(NoPlugin, WhatIsNoRegularFileIsNotWaitedFor) {
+  const std::string folder = testing::makeTemporaryDirectory();
+  fs::create_directory(folder + "/libgraft_folder.so");
+  ASSERT_EQ(::mkfifo((folder + "/libgraft_pipe.so").c_str(), 0600), 0);
+  fs::create_symlink("nowhere", folder + "/libgraft_dangling.so");
+  fs::create_symlink("libgraft_loop.so", folder + "/libgraft_loop.so");
+  for (const char* name : {"folder", "pipe"}) {
+    EXPECT_NE(failureOf(folder + "/libgraft_" + name + ".so").find("it is no regular file"),
+              std::string::npos);
+  }
+  EXPECT_NE(failureOf("/dev/zero.so/").find("not a plugin: "), std::string::npos);
+  EXPECT_NE(failureOf(folder + "/libgraft_dangling.so").find("No such file"), std::string::npos);
+  EXPECT_NE(failureOf(folder + "/libgraft_loop.so").find("symbolic links"), std::string::npos);
+  // In a folder that is searched, each is a warning and no more.
+  PluginOptions options;
+  options.folders = {folder};
+  options.use_environment = false;
+  Registry registry;
+  PluginManager manager(registry, options);
+  EXPECT_EQ(manager.diagnostics().warningCount(), 4u) << manager.diagnostics().text();
+  EXPECT_TRUE(manager.known().empty());
+}
+
+TEST(NoPlugin, AFolderOfTenThousandFilesGivesFewMessagesAndTheOneThatFits) {
+  constexpr int kFiles = 10000;
+  const std::string folder = testing::makeTemporaryDirectory();
+  for (int i = 0; i < kFiles; ++i) {
+    const std::string name = std::to_string(i) + (i % 2 == 0 ? ".so" : ".txt");
+    testing::writeTestFile(folder, (i % 4 < 2 ? "libgraft_" : "other_") + name, "text");
+  }
+  fs::copy_file(testing::binaryDirectory() + "/lib/graft/plugins/libgraft_kernels.so",
+                folder + "/libgraft_kernels.so");
+  PluginOptions options;
+  options.folders = {folder};
+  options.use_environment = false;
+  Registry registry;
+  PluginManager manager(registry, options);
+  EXPECT_EQ(pluginCandidates(folder).size(), std::size_t(kFiles / 4 + 1));
+  EXPECT_EQ(manager.diagnostics().warningCount(), std::size_t(kFiles / 4));
+  EXPECT_EQ(manager.diagnostics().lines().size(), Diagnostics::kShown);
+  EXPECT_NE(manager.diagnostics().text().find("and 2480 more warnings"), std::string::npos)
+      << manager.diagnostics().text();
+  ASSERT_EQ(manager.known().size(), 1u);
+  EXPECT_NE(registry.kernel("Huber"), nullptr);
+}
+
+TEST(NoPlugin, AFolderThatIsMissingOrUnreadableIsAWarning) {
+  PluginOptions options;
+  options.folders = {testing::makeTemporaryDirectory() + "/missing"};
+  options.use_environment = false;
+  Registry registry;
+  PluginManager manager(registry, options);
+  EXPECT_EQ(manager.diagnostics().warningCount(), 1u);
+  EXPECT_NE(manager.diagnostics().text().find("missing: warning: cannot list plugins: No such"),
+            std::string::npos)
+      << manager.diagnostics().text();
+}
+
+TEST(NoPlugin, AFileThatIsReplacedAfterItsCheckIsNotLoaded) {
+  const std::string folder = testing::makeTemporaryDirectory();
+  const std::string path = folder + "/libgraft_fine.so";
+  fs::copy_file(badPlugin("fine"), path);
+  const PluginFile checked = readPluginFile(path);
+  ASSERT_EQ(checked.refusal, "");
+  fs::copy_file(badPlugin("undefined"), folder + "/other");
+  fs::rename(folder + "/other", path);
+  Registry registry;
+  try {
+    loadPluginLibrary(checked, registry);
+    FAIL() << "was loaded";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::kPlugin);
+    EXPECT_NE(std::string(e.what()).find("was replaced while"), std::string::npos) << e.what();
   }
 }
 

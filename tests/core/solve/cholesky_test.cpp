@@ -4,66 +4,17 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <numeric>
-#include <random>
-#include <set>
 
 #include "core/solve/block_cholesky.hpp"
+#include "tests/core/solve/block_matrix.hpp"
 
 namespace graft {
 namespace {
 
-/// A symmetric block matrix, dense and as the solver wants it.
-struct BlockMatrix {
-  std::vector<std::int32_t> dims;
-  std::vector<std::int64_t> columns;
-  std::vector<std::int32_t> rows;
-  std::vector<std::int64_t> offsets;
-  std::vector<double> values;
-  Eigen::MatrixXd dense;
-  graft_block_pattern pattern = {};
-
-  /// `pairs`: off-diagonal blocks. Random entries; the diagonal makes it definite.
-  BlockMatrix(std::vector<std::int32_t> block_dims, const std::set<std::pair<int, int>>& pairs,
-              std::uint64_t seed)
-      : dims(std::move(block_dims)) {
-    std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> uniform(-1, 1);
-    std::vector<int> begin(1, 0);
-    for (const int dim : dims) begin.push_back(begin.back() + dim);
-    dense = Eigen::MatrixXd::Zero(begin.back(), begin.back());
-    const auto fill = [&](int i, int j) {
-      for (int r = begin[std::size_t(i)]; r < begin[std::size_t(i) + 1]; ++r) {
-        for (int c = begin[std::size_t(j)]; c < begin[std::size_t(j) + 1]; ++c) {
-          dense(r, c) = uniform(random);
-          dense(c, r) = dense(r, c);
-        }
-      }
-    };
-    for (std::size_t i = 0; i < dims.size(); ++i) fill(int(i), int(i));
-    for (const auto& [a, b] : pairs) fill(std::max(a, b), std::min(a, b));
-    for (int i = 0; i < dense.rows(); ++i) dense(i, i) = dense.row(i).cwiseAbs().sum() + 0.1;
-    columns.push_back(0);
-    offsets.push_back(0);
-    for (int j = 0; j < int(dims.size()); ++j) {
-      for (int i = j; i < int(dims.size()); ++i) {
-        if (i != j && pairs.count({j, i}) == 0 && pairs.count({i, j}) == 0) continue;
-        rows.push_back(i);
-        const Eigen::MatrixXd block = dense.block(begin[std::size_t(i)], begin[std::size_t(j)],
-                                                  dims[std::size_t(i)], dims[std::size_t(j)]);
-        values.insert(values.end(), block.data(), block.data() + block.size());
-        offsets.push_back(std::int64_t(values.size()));
-      }
-      columns.push_back(std::int64_t(rows.size()));
-    }
-    pattern.struct_size = sizeof pattern;
-    pattern.block_count = std::int32_t(dims.size());
-    pattern.dims = dims.data();
-    pattern.columns = columns.data();
-    pattern.rows = rows.data();
-    pattern.offsets = offsets.data();
-  }
-  BlockMatrix(const BlockMatrix&) = delete;
-};
+using testing::BlockMatrix;
+using testing::gridPairs;
+using testing::mixedDims;
+using testing::randomPairs;
 
 /// Compares with Eigen's dense Cholesky, with and without damping.
 void expectSolves(const BlockMatrix& a, const FrontKernels& kernels = frontKernels()) {
@@ -82,13 +33,6 @@ void expectSolves(const BlockMatrix& a, const FrontKernels& kernels = frontKerne
   }
 }
 
-std::vector<std::int32_t> mixedDims(int count, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::vector<std::int32_t> dims;
-  for (int i = 0; i < count; ++i) dims.push_back(std::int32_t(random() % 7) + 1);
-  return dims;
-}
-
 TEST(BlockCholesky, SolvesOneBlockOfAnySize) {
   for (int dim = 1; dim <= 40; ++dim) expectSolves(BlockMatrix({dim}, {}, 1));
 }
@@ -97,14 +41,9 @@ TEST(BlockCholesky, SolvesRandomPatternsOfMixedBlocks) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     std::mt19937_64 random(seed);
     const int count = 2 + int(random() % 60);
-    std::set<std::pair<int, int>> pairs;
-    for (int k = 0; k < count * int(1 + seed % 4); ++k) {
-      const int i = int(random() % std::uint64_t(count));
-      const int j = int(random() % std::uint64_t(count));
-      if (i != j) pairs.insert({std::min(i, j), std::max(i, j)});
-    }
     SCOPED_TRACE(seed);
-    const BlockMatrix a(mixedDims(count, seed), pairs, seed);
+    const BlockMatrix a(mixedDims(count, seed), randomPairs(count, count * int(1 + seed % 4), seed),
+                        seed);
     expectSolves(a);
     expectSolves(a, portableFrontKernels());
   }
@@ -122,26 +61,12 @@ TEST(BlockCholesky, SolvesArrowChainGridAndSeparateParts) {
   expectSolves(BlockMatrix(mixedDims(80, 1), arrow, 1));
   expectSolves(BlockMatrix(std::vector<std::int32_t>(80, 6), chain, 2));
   expectSolves(BlockMatrix(mixedDims(80, 3), parts, 3));
-  std::set<std::pair<int, int>> grid;
-  for (int i = 0; i < 15; ++i) {
-    for (int j = 0; j < 15; ++j) {
-      if (i > 0) grid.insert({15 * (i - 1) + j, 15 * i + j});
-      if (j > 0) grid.insert({15 * i + j - 1, 15 * i + j});
-    }
-  }
-  expectSolves(BlockMatrix(std::vector<std::int32_t>(225, 3), grid, 4));
+  expectSolves(BlockMatrix(std::vector<std::int32_t>(225, 3), gridPairs(15), 4));
 }
 
 TEST(BlockCholesky, GivesTheSameBitsForAnyThreads) {
-  std::set<std::pair<int, int>> grid;
   constexpr int kSide = 20;
-  for (int i = 0; i < kSide; ++i) {
-    for (int j = 0; j < kSide; ++j) {
-      if (i > 0) grid.insert({kSide * (i - 1) + j, kSide * i + j});
-      if (j > 0) grid.insert({kSide * i + j - 1, kSide * i + j});
-    }
-  }
-  BlockMatrix a(std::vector<std::int32_t>(kSide * kSide, 6), grid, 9);
+  BlockMatrix a(std::vector<std::int32_t>(kSide * kSide, 6), gridPairs(kSide), 9);
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(a.dense.rows(), -1, 2);
   Eigen::VectorXd damping = Eigen::VectorXd::Zero(a.dense.rows());
   Eigen::VectorXd reference;
@@ -208,25 +133,19 @@ TEST(Ordering, PredictsWhatADenseFactorisationTakes) {
   const BlockGraph graph(a.pattern);
   double flops = 0;
   for (int n = 6; n > 0; --n) flops += double(n) * n;
-  EXPECT_DOUBLE_EQ(predictFlops(graph, {0, 1, 2}), flops);
+  EXPECT_DOUBLE_EQ(predictCost(graph, {0, 1, 2}).flops, flops);
+  EXPECT_DOUBLE_EQ(predictCost(graph, {0, 1, 2}).entries, 21);
   EXPECT_DOUBLE_EQ(chooseOrdering(graph).flops, flops);
 }
 
 TEST(Ordering, IsAPermutationForBigGridsToo) {
-  std::set<std::pair<int, int>> grid;
   constexpr int kSide = 26;
-  for (int i = 0; i < kSide; ++i) {
-    for (int j = 0; j < kSide; ++j) {
-      if (i > 0) grid.insert({kSide * (i - 1) + j, kSide * i + j});
-      if (j > 0) grid.insert({kSide * i + j - 1, kSide * i + j});
-    }
-  }
-  const BlockMatrix a(std::vector<std::int32_t>(kSide * kSide, 1), grid, 8);
+  const BlockMatrix a(std::vector<std::int32_t>(kSide * kSide, 1), gridPairs(kSide), 8);
   BlockGraph graph(a.pattern);
   // As if blocks were large, so that nested dissection is tried.
   std::fill(graph.dims.begin(), graph.dims.end(), 12);
   Ordering ordering = chooseOrdering(graph);
-  EXPECT_LE(ordering.flops, predictFlops(graph, ordering.order));
+  EXPECT_LE(ordering.flops, predictCost(graph, ordering.order).flops);
   std::sort(ordering.order.begin(), ordering.order.end());
   for (int i = 0; i < kSide * kSide; ++i) EXPECT_EQ(ordering.order[std::size_t(i)], i);
 }

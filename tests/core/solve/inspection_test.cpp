@@ -113,6 +113,26 @@ TEST(FreeDirections, OfPointsThatMoveTogetherAreShared) {
   }
 }
 
+TEST(WeakAnchor, IsWhatLeavesAPartOfEveryVertexOpen) {
+  const auto weak = [](const std::vector<double>& first, const std::vector<double>& second) {
+    TestGraph g;
+    g.point(1, 0, 0);
+    g.point(2, 1, 0);
+    g.edge("TEST_DIFFERENCE", {1, 2}, {1, 0});
+    if (!first.empty()) g.edge("TEST_PRIOR", {1}, {0, 0}, first);
+    if (!second.empty()) g.edge("TEST_PRIOR", {2}, {1, 0}, second);
+    g.point(8, 5, 5, true);
+    g.point(9, 5, 5);
+    g.edge("TEST_DIFFERENCE", {8, 9}, {1, 0});
+    return hasWeakAnchor(Problem(g.graph, InformationPolicy::kError));
+  };
+  EXPECT_FALSE(weak({}, {})) << "one vertex is held";
+  EXPECT_FALSE(weak({1, 0, 1}, {}));
+  EXPECT_TRUE(weak({1, 0, 0}, {}));
+  EXPECT_TRUE(weak({1, 1, 1}, {0, 0, 1})) << "not known to be firm: to be looked at";
+  EXPECT_FALSE(weak({1, 0, 0}, {1, 0, 1}));
+}
+
 TEST(FreeDirections, OfAVertexWithoutWeightAreAll) {
   TestGraph g;
   g.point(1, 0, 0);

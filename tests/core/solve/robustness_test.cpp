@@ -68,8 +68,11 @@ TEST(Optimize, RefusesIndefiniteInformationByName) {
   options.information = InformationPolicy::kProject;
   const Summary summary = optimize(g.graph, g.values, testRegistry(), options);
   EXPECT_EQ(summary.status, Status::kConverged);
-  ASSERT_EQ(summary.notes.size(), 1u);
+  ASSERT_EQ(summary.notes.size(), 2u);
   EXPECT_NE(summary.notes[0].find("projected"), std::string::npos);
+  // [1 2; 2 1] without its negative part resists (1, 1) only.
+  EXPECT_NE(summary.notes[1].find("TEST_POINT2 3 is free along"), std::string::npos)
+      << summary.notes[1];
 }
 
 TEST(Optimize, LeavesDirectionsWithoutInformationAlone) {
@@ -95,6 +98,52 @@ TEST(Optimize, LeavesDirectionsWithoutInformationAlone) {
   EXPECT_EQ(summary.status, Status::kFailed);
   EXPECT_NE(summary.reason.find("TEST_POINT2"), std::string::npos) << summary.reason;
   EXPECT_TRUE(g.values == before);
+}
+
+TEST(Optimize, NamesTheVertexAndWhatIsFreeOfASingularSystem) {
+  for (const Algorithm algorithm :
+       {Algorithm::kLevenbergMarquardt, Algorithm::kDogleg, Algorithm::kGaussNewton}) {
+    TestGraph g;
+    g.point(1, 0, 0, true);
+    g.point(2, 3, 0);
+    g.point(3, 5, 5);
+    g.edge("TEST_RANGE", {1, 2}, {2});
+    g.edge("TEST_PRIOR", {3}, {1, 1});
+    SolveOptions options;
+    options.algorithm = algorithm;
+    const Summary summary = optimize(g.graph, g.values, testRegistry(), options);
+    ASSERT_EQ(summary.notes.size(), 1u) << summary.reason;
+    EXPECT_TRUE(summary.notes[0].find("TEST_POINT2 2 is free along (1 y)") != std::string::npos ||
+                summary.notes[0].find("TEST_POINT2 2 is free along (-1 y)") != std::string::npos)
+        << summary.notes[0];
+    const bool undamped = algorithm == Algorithm::kGaussNewton;
+    EXPECT_EQ(summary.usable(), !undamped) << summary.reason;
+    EXPECT_EQ(summary.reason.find("2 is free along") != std::string::npos, undamped);
+    EXPECT_EQ(g.at(2)[1], 0);
+  }
+}
+
+TEST(Optimize, NamesWhatVerticesCanDoTogetherWhereGaussNewtonFails) {
+  TestGraph g;
+  g.point(1, 0, 0, true);
+  g.point(2, 1, 0);
+  g.point(3, 2, 0);
+  g.edge("TEST_RANGE", {1, 2}, {1.5});
+  g.edge("TEST_DIFFERENCE", {2, 3}, {1, 0});
+  SolveOptions options;
+  options.algorithm = Algorithm::kGaussNewton;
+  const Summary summary = optimize(g.graph, g.values, testRegistry(), options);
+  EXPECT_EQ(summary.status, Status::kFailed);
+  ASSERT_EQ(summary.notes.size(), 2u);
+  for (const std::string& note : summary.notes) {
+    EXPECT_NE(note.find("y), together with others"), std::string::npos) << note;
+  }
+}
+
+TEST(Optimize, SaysNothingWhereEverythingIsDetermined) {
+  TestGraph g = assemble(makePoseGraph(20, 0.1, 0.3, 5));
+  g.graph.setFixed(g.graph.find(0), true);
+  EXPECT_TRUE(optimize(g.graph, g.values, testRegistry()).notes.empty());
 }
 
 TEST(Optimize, NamesTheEdgeThatIsNotFinite) {
@@ -189,6 +238,45 @@ TEST(Optimize, HasNothingToDoWithoutEdgesOrFreeVertices) {
   EXPECT_DOUBLE_EQ(summary.chi2_final, 25);
 }
 
+TEST(Optimize, TakesTheEdgesOfOneLevel) {
+  TestGraph g;
+  g.point(1, 0, 0);
+  g.point(2, 5, 5);
+  g.edge("TEST_PRIOR", {1}, {1, 2});
+  g.edge("TEST_PRIOR", {1}, {3, 4});
+  g.edge("TEST_DIFFERENCE", {1, 2}, {1, 1});
+  g.graph.setLevel(0, 1, 1);
+  g.graph.setLevel(1, 0, 2);
+  const auto solve = [&g](std::int32_t level) {
+    Values values = g.values;
+    SolveOptions options;
+    options.level = level;
+    const Summary summary = optimize(g.graph, values, testRegistry(), options);
+    EXPECT_EQ(summary.status, Status::kConverged);
+    EXPECT_NEAR(evaluateChi2(g.graph, values, nullptr, level), summary.chi2_final, 1e-12);
+    return values;
+  };
+  const auto x = [&g](const Values& values, std::int64_t id) {
+    return values.at(g.graph.find(id))[0];
+  };
+  EXPECT_NEAR(x(solve(0), 1), 1, 1e-9);
+  // A vertex without an edge of the level stays where it is.
+  EXPECT_EQ(x(solve(0), 2), 5);
+  EXPECT_NEAR(x(solve(1), 1), 3, 1e-9);
+  EXPECT_EQ(x(solve(2), 1), 0);  // held, for nothing else fixes it
+  EXPECT_NEAR(x(solve(2), 2), 1, 1e-9);
+  EXPECT_NEAR(x(solve(kAllLevels), 1), 2, 1e-9);
+  EXPECT_NEAR(x(solve(kAllLevels), 2), 3, 1e-9);
+  EXPECT_EQ(solve(7), g.values);  // none has this level
+  EXPECT_THROW(g.graph.setLevel(0, 0, -1), Error);
+  Graph::EdgeSpec spec;
+  spec.type = testRegistry().edge("TEST_PRIOR");
+  spec.vertices = {g.graph.find(1)};
+  spec.measurement = {0, 0};
+  spec.level = -3;
+  EXPECT_THROW(g.graph.addEdge(spec), Error);
+}
+
 TEST(Optimize, StopsWhenAsked) {
   const auto parts = makePoseGraph(40, 0.1, 0.3, 2);
   SolveOptions options;
@@ -251,6 +339,14 @@ TEST(Optimize, RefusesBadOptions) {
   options = {};
   options.initial_damping = 0;
   expectUsage(options, "initial_damping");
+  options = {};
+  options.level = -2;
+  expectUsage(options, "level");
+  for (const double probability : {0.0, 1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    options = {};
+    options.graduation.inlier_probability = probability;
+    expectUsage(options, "inlier_probability");
+  }
 }
 
 TEST(ThreadPool, RunsEveryPieceOnceAndPassesOnTheFirstError) {

@@ -11,6 +11,7 @@ namespace graft::testing {
 namespace {
 
 const char* chosen = nullptr;
+void (*spoil)(const char* where) = nullptr;
 
 bool fault(const char* name) { return chosen != nullptr && std::strcmp(chosen, name) == 0; }
 
@@ -25,6 +26,7 @@ class DenseSolver {
   }
 
   int factorize(const double* values, const double* damping) {
+    spoil("solver");
     const std::size_t n = first_.back();
     lower_.assign(n * n, 0.0);
     for (int j = 0; j < pattern_->block_count; ++j) {
@@ -93,7 +95,12 @@ const graft_solver_type kType = {
       of(self).analyze(*pattern);
       return GRAFT_OK;
     },
-    [](void* self, const double* values, const double* damping, std::int32_t*, graft_message*) {
+    [](void* self, const double* values, const double* damping, std::int32_t* failed_block,
+       graft_message*) -> int {
+      if (fault("solver_block")) {
+        *failed_block = 1000000000;
+        return GRAFT_NOT_POSITIVE_DEFINITE;
+      }
       return of(self).factorize(values, damping);
     },
     [](void* self, const double* b, double* x, graft_message*) -> int {
@@ -103,8 +110,10 @@ const graft_solver_type kType = {
 
 }  // namespace
 
-const graft_solver_type& denseSolver(const char* fault_name) {
+const graft_solver_type& denseSolver(const char* fault_name,
+                                     void (*spoil_function)(const char* where)) {
   chosen = fault_name;
+  spoil = spoil_function;
   return kType;
 }
 

@@ -5,7 +5,8 @@
 
 namespace graft::testing {
 
-/// A dense Cholesky as a solver type, with the named fault or none (null).
-const graft_solver_type& denseSolver(const char* fault);
+/// A dense Cholesky as a solver type, with the named fault or none (null); `spoil` is
+/// called with "solver" at each factorisation.
+const graft_solver_type& denseSolver(const char* fault, void (*spoil)(const char* where));
 
 }  // namespace graft::testing

@@ -28,17 +28,41 @@ int failed(graft_message* message, const char* text) {
   return GRAFT_FAILED;
 }
 
+/// "<how>_in_<where>" ends, throws or hangs in any of the functions below.
+void spoil(const char* where) {
+  static const char* const chosen = std::getenv("GRAFT_TEST_FAULT");
+  const char* in = chosen == nullptr ? nullptr : std::strstr(chosen, "_in_");
+  if (in == nullptr || std::strcmp(in + 4, where) != 0) return;
+  const auto is = [&](const char* how) {
+    return std::strncmp(chosen, how, std::size_t(in - chosen)) == 0;
+  };
+  if (is("throws")) throw std::runtime_error("thrown by the plugin");
+  if (is("crashes")) {
+    int* volatile nowhere = nullptr;
+    *nowhere = 1;
+  }
+  if (is("aborts")) std::abort();
+  if (is("exits")) std::exit(0);
+  if (is("sleeps")) std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  while (is("hangs")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
 // ---- a point in the plane -------------------------------------------------
 
-void identity(double* x) { x[0] = x[1] = fault("identity_nan") ? std::nan("") : 0; }
+void identity(double* x) {
+  spoil("identity");
+  x[0] = x[1] = fault("identity_nan") ? std::nan("") : 0;
+}
 
 int normalize(double* x, graft_message*) {
+  spoil("normalize");
   if (fault("normalize_throws")) throw std::runtime_error("thrown by a vertex");
   if (fault("normalize_rounds")) x[0] = static_cast<float>(x[0]);
   return GRAFT_OK;
 }
 
 void plus(std::int64_t count, const double* x, const double* delta, double* out) {
+  spoil("plus");
   if (fault("plus_in_place")) std::memset(out, 0, std::size_t(2 * count) * sizeof(double));
   for (std::int64_t i = 0; i < 2 * count; ++i) {
     out[i] = x[i] + delta[i] + (fault("plus_zero") ? 1e-4 : 0);
@@ -111,6 +135,7 @@ void throughScratch(double* e) {
 int evaluate(const graft_edge_batch* batch, double* errors, double* jacobians,
              graft_message* message) {
   static std::atomic<int> calls{0};
+  spoil("evaluate");
   if (fault("evaluate_throws")) throw std::runtime_error("thrown by an edge");
   if (fault("evaluate_fails")) return failed(message, "not today");
   if (fault("evaluate_crashes")) std::abort();
@@ -135,6 +160,7 @@ int evaluate(const graft_edge_batch* batch, double* errors, double* jacobians,
       std::memcpy(jacobians + 8 * i + 7, jacobians + 8 * i + 8, sizeof(double));
     }
   }
+  if (fault("overruns_from_4") && batch->count > 3) errors[2 * batch->count] = 0;
   if (fault("overrun")) errors[2 * batch->count] = 0;
   if (fault("overrun_jacobian") && jacobians != nullptr) jacobians[8 * batch->count] = 0;
   return GRAFT_OK;
@@ -146,6 +172,7 @@ int normalizeMeasurement(std::int32_t, double* m, graft_message*) {
 }
 
 int propagate(const graft_edge_batch* batch, std::int32_t to, double* estimate) {
+  spoil("propagate");
   if (to != 1) return GRAFT_FAILED;
   const double* a = batch->vertices[0];
   const double bend = fault("propagate") ? 0 : kBend * (a[0] * a[0] + a[1] * a[1]);
@@ -185,6 +212,7 @@ int evaluateNearest(const graft_edge_batch* batch, double* errors, double* jacob
 /// The nearest whole number.
 int associateNearest(const graft_edge_batch* batch, std::int32_t first, double* associations,
                      std::uint8_t* changed, graft_message*) {
+  spoil("associate");
   for (std::int64_t i = 0; i < batch->count; ++i) {
     const double nearest = std::round(batch->vertices[i][0]);
     changed[i] = first != 0 || nearest != associations[i] || fault("always_changed") ? 1 : 0;
@@ -214,8 +242,9 @@ graft_edge_type nearestType() {
 
 int shape(std::int32_t arity, std::int32_t* errors, std::int32_t* measurements,
           graft_message* message) {
+  spoil("shape");
   if (arity < 2) return failed(message, "at least two points");
-  *errors = fault("shape_zero") ? 0 : 1;
+  *errors = fault("shape_zero") ? 0 : fault("shape_huge") ? 1000000000 : 1;
   *measurements = 1;
   return GRAFT_OK;
 }
@@ -254,6 +283,7 @@ graft_edge_type sumType() {
 // ---- a kernel, a resource, a loader ------------------------------------------
 
 void cauchy(std::int64_t count, const double* s, double width, double* rho) {
+  spoil("kernel");
   const double w2 = width * width;
   for (std::int64_t i = 0; i < count; ++i) {
     const double inside = 1 + s[i] / w2;
@@ -261,6 +291,7 @@ void cauchy(std::int64_t count, const double* s, double width, double* rho) {
     rho[3 * i + 1] = (fault("rho_slope") ? 2 : 1) / inside;
     rho[3 * i + 2] = -1 / (w2 * inside * inside);
     if (fault("rho_derivative") && s[i] > 0) rho[3 * i + 1] = 1 / (inside * inside);
+    if (fault("rho_nan")) rho[3 * i] = std::nan("");
     if (fault("rho_second")) rho[3 * i + 2] = -rho[3 * i + 2];
     if (fault("rho_falls") && s[i] > w2) {
       rho[3 * i] = w2 * w2 / s[i];
@@ -274,6 +305,7 @@ const graft_kernel_type kKernel = {sizeof kKernel, "FaultyCauchy", "w^2 log(1 + 
 
 const void* loadNumber(const char*, std::int32_t count, const char* const* tokens,
                        graft_message* message) {
+  spoil("resource");
   char* end = nullptr;
   const double number = count == 1 ? std::strtod(tokens[0], &end) : 0;
   const bool good = end != nullptr && end != tokens[0] && *end == '\0' && std::isfinite(number);
@@ -288,10 +320,12 @@ const graft_resource_type kResource = {
     &loadNumber,      [](const void* resource) { delete static_cast<const double*>(resource); }};
 
 int recognizes(const char*, const char* head, std::int64_t size) {
+  spoil("recognizes");
   return fault("recognizes_all") || (size >= 6 && std::memcmp(head, "FAULTY", 6) == 0) ? 1 : 0;
 }
 
 int loadNothing(const char*, const graft_graph_sink* sink) {
+  spoil("loader");
   if (fault("loads_nothing")) return GRAFT_OK;
   sink->report(sink->host, 2, nullptr, 0, 0, "this format holds nothing");
   return GRAFT_FAILED;
@@ -299,6 +333,24 @@ int loadNothing(const char*, const graft_graph_sink* sink) {
 
 const graft_loader_type kLoader = {sizeof kLoader, "faulty",    "nothing",
                                    ".faulty",      &recognizes, &loadNothing};
+
+/// Shifts every vertex that it may by (1, 0).
+int guess(const graft_guess_problem* problem, graft_message* message) {
+  static int calls = 0;
+  ++calls;
+  if (fault("guess_silent")) return GRAFT_FAILED;
+  if (problem->vertex_count == 0) return failed(message, "the graph is empty");
+  for (std::int64_t v = 0; v < problem->vertex_count; ++v) {
+    if (problem->held[v] != 0 && !fault("guess_moves_held")) continue;
+    problem->estimates[v][0] += fault("guess_state") ? calls : 1;
+    if (fault("guess_nan")) problem->estimates[v][0] = std::nan("");
+    problem->placed[v] = problem->held[v] != 0 || fault("guess_unmarked") ? 0 : 1;
+  }
+  return GRAFT_OK;
+}
+
+const graft_guess_type kGuess = {sizeof kGuess, "faulty_shift", "everything one to the right",
+                                 &guess};
 
 }  // namespace
 
@@ -320,7 +372,9 @@ GRAFT_TEST_EXPORT int graft_plugin_register(const graft_registrar* registrar, gr
   if (!fault("metadata")) registrar->add_kernel_type(host, &kKernel);
   registrar->add_resource_type(host, &kResource);
   registrar->add_loader_type(host, &kLoader);
-  registrar->add_solver_type(host, &graft::testing::denseSolver(std::getenv("GRAFT_TEST_FAULT")));
+  registrar->add_guess_type(host, &kGuess);
+  registrar->add_solver_type(host,
+                             &graft::testing::denseSolver(std::getenv("GRAFT_TEST_FAULT"), &spoil));
   return GRAFT_OK;
 }
 }

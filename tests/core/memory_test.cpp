@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/base/memory.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "core/base/error.hpp"
+#include "core/solve/block_cholesky.hpp"
+#include "core/types/stamp.hpp"
+#include "tests/core/solve/block_matrix.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace graft {
+namespace {
+
+/// Leaves the process so many bytes of address space while it lives.
+class AddressSpaceLimit {
+ public:
+  explicit AddressSpaceLimit(double bytes) {
+    getrlimit(RLIMIT_AS, &before_);
+    double pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    rlimit limit = before_;
+    limit.rlim_cur = rlim_t(pages * double(sysconf(_SC_PAGESIZE)) + bytes);
+    setrlimit(RLIMIT_AS, &limit);
+  }
+  ~AddressSpaceLimit() { setrlimit(RLIMIT_AS, &before_); }
+  AddressSpaceLimit(const AddressSpaceLimit&) = delete;
+
+ private:
+  rlimit before_ = {};
+};
+
+// Sanitizers map terabytes, which leaves nothing to limit.
+#define GRAFT_REQUIRE_LIMITS() \
+  if (detail::sanitizerBits() != 0) GTEST_SKIP() << "address space cannot be limited"
+
+TEST(Memory, FormatsBytes) {
+  const std::pair<double, const char*> cases[] = {
+      {0, "0 B"},          {999, "999 B"},       {999.6, "1.00 kB"},  {1234, "1.23 kB"},
+      {12345, "12.3 kB"},  {9.996e6, "10.0 MB"}, {214.4e6, "214 MB"}, {41.26e9, "41.3 GB"},
+      {1.5e12, "1.50 TB"}, {3e18, "3000 PB"}};
+  for (const auto& [bytes, text] : cases) EXPECT_EQ(formatBytes(bytes), text) << bytes;
+}
+
+TEST(Memory, IsFiniteAndFollowsTheLimitOfTheAddressSpace) {
+  GRAFT_REQUIRE_LIMITS();
+  EXPECT_GT(availableMemory(), 1e6);
+  EXPECT_LT(availableMemory(), 1e15);
+  const AddressSpaceLimit limit(3e7);
+  EXPECT_NEAR(availableMemory(), 3e7, 1e6);
+  EXPECT_TRUE(fitsIntoMemory(2e7));
+  EXPECT_FALSE(fitsIntoMemory(4e7));
+  requireMemory(2e7, "this");
+  try {
+    requireMemory(4e7, "this", "; that");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kNoResult);
+    const std::string text = error.what();
+    EXPECT_EQ(text.find("this needs 40.0 MB, "), 0u) << text;
+    EXPECT_NE(text.find(" MB are free; that"), std::string::npos) << text;
+  }
+}
+
+/// A pattern whose factor is much larger than itself.
+std::string tryToFactor(double bytes, int threads, bool& with_tasks) {
+  const testing::BlockMatrix a(std::vector<std::int32_t>(40 * 40, 1), testing::gridPairs(40), 4);
+  // As if blocks were large; the values do not matter to the analysis.
+  const std::vector<std::int32_t> dims(40 * 40, 12);
+  graft_block_pattern pattern = a.pattern;
+  pattern.dims = dims.data();
+  ThreadPool pool(threads);
+  BlockCholesky cholesky(&pool);
+  const AddressSpaceLimit limit(bytes);
+  try {
+    cholesky.analyze(pattern);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kNoResult);
+    return error.what();
+  }
+  with_tasks = !cholesky.symbolic().tasks.empty();
+  return {};
+}
+
+TEST(Memory, PredictsTheFactor) {
+  GRAFT_REQUIRE_LIMITS();
+  bool with_tasks = false;
+  EXPECT_EQ(tryToFactor(1e9, 3, with_tasks), "");
+  EXPECT_TRUE(with_tasks);
+  const std::string text = tryToFactor(2e7, 3, with_tasks);
+  EXPECT_EQ(text.find("the factor of the normal equations needs "), 0u) << text;
+  // The factor with what a sequential factorisation needs, but not what tasks need.
+  const testing::BlockMatrix a(std::vector<std::int32_t>(40 * 40, 1), testing::gridPairs(40), 4);
+  const std::vector<std::int32_t> dims(40 * 40, 12);
+  graft_block_pattern pattern = a.pattern;
+  pattern.dims = dims.data();
+  const double sequential = analyzePattern(pattern, false).bytes();
+  const double parallel = analyzePattern(pattern, true).bytes();
+  ASSERT_GT(parallel, 1.3 * sequential);
+  EXPECT_EQ(tryToFactor(0.5 * (sequential + parallel), 3, with_tasks), "");
+  EXPECT_FALSE(with_tasks);
+}
+
+/// A cube of poses: little data, a large factor.
+std::string cube(int side) {
+  std::string text;
+  const auto id = [&](int x, int y, int z) { return std::to_string((x * side + y) * side + z); };
+  std::string edges;
+  for (int x = 0; x < side; ++x) {
+    for (int y = 0; y < side; ++y) {
+      for (int z = 0; z < side; ++z) {
+        text += "VERTEX_SE3:QUAT " + id(x, y, z) + " " + std::to_string(x) + " " +
+                std::to_string(y) + " " + std::to_string(z) + " 0 0 0 1\n";
+        const int next[3][3] = {{x + 1, y, z}, {x, y + 1, z}, {x, y, z + 1}};
+        for (int axis = 0; axis < 3; ++axis) {
+          if (next[axis][axis] == side) continue;
+          edges += "EDGE_SE3:QUAT " + id(x, y, z) + " " +
+                   id(next[axis][0], next[axis][1], next[axis][2]) + " " +
+                   (axis == 0   ? "1.1 0 0"
+                    : axis == 1 ? "0 1.1 0"
+                                : "0 0 1.1") +
+                   " 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
+        }
+      }
+    }
+  }
+  return text + "FIX 0\n" + edges;
+}
+
+TEST(Memory, EndsOptimizeWithATextAndNotByAKiller) {
+  GRAFT_REQUIRE_LIMITS();
+  const std::string folder = testing::makeTemporaryDirectory();
+  const std::string in = testing::writeTestFile(folder, "cube.g2o", cube(16));
+  const std::string graft = testing::binaryDirectory() + "/bin/graft optimize " + in;
+  for (const int kilobytes : {90000, 120000}) {
+    const testing::CommandResult result =
+        testing::runCommand("ulimit -v " + std::to_string(kilobytes) + "; " + graft +
+                            " --threads 1 --initial-guess file -o " + folder + "/out.g2o");
+    EXPECT_EQ(result.exit_code, 4) << result.err;
+    EXPECT_NE(result.err.find("no usable result: the factor of the normal equations needs "),
+              std::string::npos)
+        << result.err;
+    EXPECT_NE(result.out.find("failed (the factor"), std::string::npos) << result.out;
+    EXPECT_FALSE(std::ifstream(folder + "/out.g2o").good());
+  }
+}
+
+TEST(Memory, IsNamedBySummary) {
+  const std::string folder = testing::makeTemporaryDirectory();
+  const std::string in = testing::writeTestFile(folder, "cube.g2o", cube(5));
+  const testing::CommandResult result = testing::runCommand(
+      testing::binaryDirectory() + "/bin/graft optimize " + in + " --json " + folder + "/out.json");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("ordering amd, "), std::string::npos) << result.out;
+  const std::string json = testing::readTestFile(folder + "/out.json");
+  const std::size_t at = json.find("\"factor_bytes\": ");
+  ASSERT_NE(at, std::string::npos) << json;
+  // Between the lower triangle of the pattern and a full matrix of 124 poses.
+  const double bytes = std::stod(json.substr(at + 16));
+  EXPECT_GT(bytes, 8.0 * 36 * (124 + 300));
+  EXPECT_LT(bytes, 2 * 8.0 * 744 * 744);
+}
+
+}  // namespace
+}  // namespace graft
