@@ -6,6 +6,7 @@
 
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
+#include "apps/graft/robust_options.hpp"
 #include "core/base/file.hpp"
 #include "core/base/text.hpp"
 #include "core/solve/evaluation.hpp"
@@ -19,6 +20,7 @@ struct EvaluateOptions {
   std::string input;
   std::string json;
   std::string residuals;
+  std::string level = "0";
   int worst = 10;
 };
 
@@ -121,14 +123,16 @@ ExitCode run(const EvaluateOptions& options) {
   for (const std::string* path : {&options.json, &options.residuals}) {
     if (!path->empty() && *path != "-") checkWritable(*path);
   }
+  EvaluationOptions how;
+  how.level = parseLevel(options.level);
   const auto engine = makeEngine(options.engine);
   const LoadedGraph loaded = loadAndReport(options.input, *engine, options.engine);
   if (loaded.vertices_made) {
     throw Error(ExitCode::kNoResult, {options.input, 0, 0},
                 "the file has no estimates to evaluate at; 'graft optimize' finds some");
   }
-  const std::vector<EdgeEvaluation> edges = evaluateEdges(loaded.graph, loaded.values);
-  const Linearization linear = linearize(loaded.graph, loaded.values);
+  const std::vector<EdgeEvaluation> edges = evaluateEdges(loaded.graph, loaded.values, how);
+  const Linearization linear = linearize(loaded.graph, loaded.values, how);
   for (const std::string& note : linear.notes) printMessage("note", note);
   const Report report = makeReport(edges, linear, options.worst);
   if (!options.residuals.empty()) {
@@ -152,6 +156,10 @@ void addEvaluate(Program& program) {
   options->engine.addLoadOptions(*command);
   command->add_option("--worst", options->worst, "List so many edges with the largest chi2")
       ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--level", options->level,
+                   "Take the edges of this level (G2O_EDGE_LEVEL in the file), or all")
       ->capture_default_str();
   command->add_option("--json", options->json, "Write the summary as JSON here, - = stdout");
   command->add_option("--residuals", options->residuals,

@@ -15,6 +15,10 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
 
+bool isWidth(double width) { return std::isfinite(width) && width > 0; }
+
+}  // namespace
+
 std::int32_t parseLevel(const std::string& text) {
   if (text == "all") return kAllLevels;
   std::int64_t level = 0;
@@ -24,10 +28,6 @@ std::int32_t parseLevel(const std::string& text) {
   }
   return std::int32_t(level);
 }
-
-bool isWidth(double width) { return std::isfinite(width) && width > 0; }
-
-}  // namespace
 
 void RobustOptions::addTo(CLI::App& command) {
   CLI::Option* kernel = command.add_option(

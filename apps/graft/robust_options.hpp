@@ -47,6 +47,9 @@ class RobustOptions {
   std::vector<Request> requests_;  ///< those for all edges first
 };
 
+/// "all" or a number from 0. Throws Error(kUsage).
+std::int32_t parseLevel(const std::string& text);
+
 /// The graph whose level 0 is what a solve minimised: the edges of its level without
 /// those that were switched off.
 Graph solvedGraph(const Graph& graph, std::int32_t level, const Summary& summary);

@@ -13,7 +13,9 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <utility>
 
 #include "core/base/error.hpp"
@@ -138,6 +140,11 @@ class ContainedChild {
          {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) {
       ::signal(signal, SIG_DFL);
     }
+#ifdef __GLIBCXX__
+    std::set_terminate(&__gnu_cxx::__verbose_terminate_handler);
+#else
+    std::set_terminate(&std::abort);
+#endif
     const int null = ::open("/dev/null", O_RDONLY);
     if (null >= 0) ::dup2(null, 0);
     if (null > 2) ::close(null);

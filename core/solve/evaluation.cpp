@@ -79,10 +79,11 @@ std::string EdgeEvaluation::describe(const Graph& graph) const {
   return text;
 }
 
-std::vector<EdgeEvaluation> evaluateEdges(const Graph& graph, const Values& values, bool jacobians,
-                                          InformationPolicy policy) {
+std::vector<EdgeEvaluation> evaluateEdges(const Graph& graph, const Values& values,
+                                          const EvaluationOptions& options) {
+  const bool jacobians = options.jacobians;
   ThreadPool pool(1);
-  const Problem problem(graph, policy);
+  const Problem problem(graph, options.information, options.level);
   Linearizer linearizer(problem, pool);
   State state;
   require(linearizer.begin(values, state));
@@ -117,9 +118,10 @@ std::vector<EdgeEvaluation> evaluateEdges(const Graph& graph, const Values& valu
   return list;
 }
 
-Linearization linearize(const Graph& graph, const Values& values, InformationPolicy policy) {
+Linearization linearize(const Graph& graph, const Values& values,
+                        const EvaluationOptions& options) {
   ThreadPool pool(1);
-  const Problem problem(graph, policy);
+  const Problem problem(graph, options.information, options.level);
   Linearizer linearizer(problem, pool);
   State state;
   require(linearizer.begin(values, state));

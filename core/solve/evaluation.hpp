@@ -8,6 +8,7 @@
 
 #include "core/graph/graph.hpp"
 #include "core/graph/information_policy.hpp"
+#include "core/solve/options.hpp"
 
 namespace graft {
 
@@ -29,14 +30,19 @@ struct EdgeEvaluation {
   std::string describe(const Graph& graph) const;
 };
 
+struct EvaluationOptions {
+  bool jacobians = false;
+  InformationPolicy information = InformationPolicy::kError;
+  std::int32_t level = 0;  ///< edges of this level take part; kAllLevels = all
+};
+
 /// Every edge of a graph at the values, without solving and without changing anything.
 /// The order is canonical: by tag, vertex ids and content, however the graph was put
 /// together. Edges that choose what they measure to do so at the values. Throws
 /// Error(kInput) for an information matrix that is not positive semidefinite, and
 /// Error(kNoResult), with the edge, where something is not finite.
 std::vector<EdgeEvaluation> evaluateEdges(const Graph& graph, const Values& values,
-                                          bool jacobians = false,
-                                          InformationPolicy policy = InformationPolicy::kError);
+                                          const EvaluationOptions& options = {});
 
 /// The least-squares problem that a Gauss-Newton step solves at the values:
 /// F(x [+] d) = |r + J d|^2 to first order in the errors. Rows are whitened and, under a
@@ -55,6 +61,6 @@ struct Linearization {
 
 /// Throws as evaluateEdges().
 Linearization linearize(const Graph& graph, const Values& values,
-                        InformationPolicy policy = InformationPolicy::kError);
+                        const EvaluationOptions& options = {});
 
 }  // namespace graft

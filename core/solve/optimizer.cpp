@@ -135,10 +135,10 @@ class Solve {
   /// Names what the edges leave open: damping hides it, undamped systems fail by it.
   void noteFreeDirections(const SolveContext& context) {
     const bool failed = summary_.status == Status::kFailed;
-    const bool linearized = summary_.iterations.size() > 1;
-    const bool suspicious =
-        failed || hasWeakAnchor(problem_) || (linearized && hasOpenBlock(context.equations()));
-    if (isInterrupted() || !suspicious) return;
+    const bool stopped = isInterrupted() ||
+                         (summary_.status == Status::kTimeLimit && summary_.iterations.size() == 1);
+    if (stopped) return;
+    if (!failed && !hasWeakAnchor(problem_) && !hasOpenBlock(context.equations())) return;
     std::vector<std::string> texts = describeFreeDirections(problem_, context.state().values);
     if (failed && !texts.empty()) summary_.reason += " (" + texts.front() + ")";
     for (std::string& text : texts) summary_.notes.push_back("no edge determines this: " + text);

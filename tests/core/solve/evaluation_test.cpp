@@ -18,6 +18,12 @@ using testing::makePoseGraph;
 using testing::riddersJacobian;
 using testing::TestGraph;
 
+EvaluationOptions withJacobians() {
+  EvaluationOptions options;
+  options.jacobians = true;
+  return options;
+}
+
 TEST(EvaluateEdges, GivesErrorsWhitenedAndWeightedInClosedForm) {
   TestGraph g;
   g.point(1, 0, 0);
@@ -25,7 +31,7 @@ TEST(EvaluateEdges, GivesErrorsWhitenedAndWeightedInClosedForm) {
   const std::int32_t kernel = g.graph.addKernel({testing::testRegistry().kernel("cauchy"), 2.0});
   g.edge("TEST_RANGE", {1, 2}, {1}, {9}, 7);                // e = 5 - 1, s = 9 * 16
   g.edge("TEST_PRIOR", {2}, {1, 1}, {4, 2, 2}, 8, kernel);  // e = (2, 3), s = 16 + 24 + 18
-  const std::vector<EdgeEvaluation> edges = evaluateEdges(g.graph, g.values, true);
+  const std::vector<EdgeEvaluation> edges = evaluateEdges(g.graph, g.values, withJacobians());
   ASSERT_EQ(edges.size(), 2u);
   const EdgeEvaluation& prior = edges[0];
   EXPECT_EQ(prior.describe(g.graph), "TEST_PRIOR 2 (line 8)");
@@ -107,13 +113,32 @@ TEST(EvaluateEdges, NamesWhatIsNotFinite) {
   g.edge("TEST_NAN", {1}, {0, 0}, {}, 12);
   for (const bool jacobians : {false, true}) {
     try {
-      evaluateEdges(g.graph, g.values, jacobians);
+      evaluateEdges(g.graph, g.values, jacobians ? withJacobians() : EvaluationOptions());
       FAIL();
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::kNoResult);
       EXPECT_NE(std::string(e.what()).find("TEST_NAN 1 (line 12)"), std::string::npos) << e.what();
     }
   }
+}
+
+TEST(EvaluateEdges, TakesTheEdgesOfOneLevel) {
+  TestGraph g;
+  g.point(1, 6, 0);
+  g.edge("TEST_PRIOR", {1}, {5, 0});
+  g.edge("TEST_PRIOR", {1}, {3, 0});
+  g.graph.setLevel(0, 1, 2);
+  const auto chi2 = [&](std::int32_t level) {
+    EvaluationOptions options;
+    options.level = level;
+    double sum = 0;
+    for (const EdgeEvaluation& e : evaluateEdges(g.graph, g.values, options)) sum += e.chi2;
+    EXPECT_EQ(linearize(g.graph, g.values, options).chi2, sum);
+    return sum;
+  };
+  EXPECT_EQ(chi2(0), 1);
+  EXPECT_EQ(chi2(2), 9);
+  EXPECT_EQ(chi2(kAllLevels), 10);
 }
 
 TEST(Linearize, OfAGraphWithoutEdgesIsEmpty) {
