@@ -149,6 +149,8 @@ void addReach(Program& program) {
   build->add_option("--tip-link", options->robot.tip_link, "Link that carries the gripper")
       ->required();
   build->add_option("--tool", options->tool, "tip_link_T_gripper: \"x y z qx qy qz qw\"");
+  build->add_option("--srdf", options->robot.srdf,
+                    "Semantic description: configurations in self-collision do not count");
   build->add_option("-o,--output", options->out, "Map file to write")->required();
   build->add_option("--resolution", options->reach.resolution, "Cell size, m")
       ->capture_default_str();
@@ -165,6 +167,8 @@ void addReach(Program& program) {
                    "Also compare with inverse kinematics at this many poses of each kind")
       ->check(CLI::Range(1, 1000000));
   info->add_option("--robot", options->robot.urdf, "URDF of the map's robot, for --verify");
+  info->add_option("--srdf", options->robot.srdf,
+                   "SRDF of the map's robot, if it was built with one");
   info->add_option("--tool", options->tool, "tip_link_T_gripper: \"x y z qx qy qz qw\"");
   CLI::App* import =
       command("import", "What a capability map (.cpm) of other tools holds", &runImport);

@@ -21,6 +21,10 @@ constexpr int kPatience = 3;       ///< passes without progress that end the fir
 constexpr int kLaterPatience = 2;  ///< ... and those for the noise that it found
 constexpr double kSameCost = 1e-9;
 constexpr int kSettlingRounds = 30;
+/// Kept edges whose errors are above this share of their thresholds are tried without, and
+/// others with, until so many in a row have brought nothing.
+constexpr double kSuspicious = 0.1;
+constexpr int kSuspects = 8;
 /// Weights this near 0 or 1 count as decided.
 constexpr double kDecided = 1e-4;
 /// Weights of Geman and McClure below this are 0, so that false edges, which tie together
@@ -259,9 +263,62 @@ Evaluation Graduated::pass(const Tools& tools, double parameter, State& state) {
     parameter = truncated ? parameter * kSteeper : std::max(1.0, parameter / kSteeper);
   }
   setSides();
+  return settle(tools, state);
+}
+
+Evaluation Graduated::settle(const Tools& tools, State& state) {
+  Evaluation evaluation;
   for (int i = 0; i < kSettlingRounds; ++i) {
     evaluation = round(tools, true, state);
     if (!evaluation.ok() || tools.must_stop() || !setSides()) break;
+  }
+  return evaluation;
+}
+
+bool Graduated::findSuspect(bool kept, const std::set<Place>& known, Place& suspect) const {
+  double worst = kept ? kSuspicious : std::numeric_limits<double>::infinity();
+  bool found = false;
+  for (std::size_t g = 0; g < candidates_.size(); ++g) {
+    for (std::size_t e = 0; e < candidates_[g].size(); ++e) {
+      const double s = squares_[g][e];
+      const double limit = worst * thresholds_[g][e];
+      if (candidates_[g][e] == 0 || (kept ? s <= limit : s >= limit)) continue;
+      if ((problem_->groups()[g].weight(std::int64_t(e)) != 0) != kept) continue;
+      if (known.count({g, e}) > 0) continue;
+      worst = s / thresholds_[g][e];
+      suspect = {g, e};
+      found = true;
+    }
+  }
+  return found;
+}
+
+Evaluation Graduated::flipSuspects(const Tools& tools, bool kept, State& state) {
+  Evaluation evaluation = tools.linearizer.evaluate(state);
+  double cost = truncatedCost(evaluation.chi2);
+  std::set<Place> known;
+  Place suspect;
+  for (int failures = 0; failures < kSuspects && evaluation.ok() && !tools.must_stop();) {
+    if (!findSuspect(kept, known, suspect)) break;
+    known.insert(suspect);
+    const State before = state;
+    const std::vector<std::vector<double>> squares = squares_;
+    std::vector<double> weights = problem_->groups()[suspect.first].weights;
+    weights[suspect.second] = kept ? 0 : 1;
+    problem_->setWeights(suspect.first, std::move(weights));
+    const Evaluation flipped = settle(tools, state);
+    const double flipped_cost = truncatedCost(flipped.chi2);
+    if (flipped.ok() && flipped_cost < cost * (1 - kSameCost)) {
+      evaluation = flipped;
+      cost = flipped_cost;
+      failures = 0;
+      continue;
+    }
+    ++failures;
+    state = before;
+    squares_ = squares;
+    setSides();
+    if (!flipped.ok()) evaluation = flipped;
   }
   return evaluation;
 }
@@ -304,7 +361,8 @@ Evaluation Graduated::search(const Tools& tools, State& state) {
   state = std::move(best);
   squares_ = std::move(best_squares);
   setSides();
-  return tools.linearizer.evaluate(state);
+  const Evaluation evaluation = flipSuspects(tools, true, state);
+  return evaluation.ok() ? flipSuspects(tools, false, state) : evaluation;
 }
 
 bool Graduated::fitNoise(double kept) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <set>
+#include <utility>
 
 #include "core/solve/linear_solver.hpp"
 #include "core/solve/linearizer.hpp"
@@ -27,7 +29,9 @@ namespace graft {
 /// times smoother, from the best state so far, until smoothness as in the paper
 /// is reached or three passes have brought no progress. A pass ends with rounds of
 /// truncated least squares proper (weight 1 where s <= c2, else 0) until no edge changes
-/// sides, for either kind; the sum of min(s, c2) tells which state is best. So what
+/// sides, for either kind; the sum of min(s, c2) tells which state is best. At the best,
+/// the edges with the largest errors are tried without, and then those that are off by
+/// little with. So what
 /// remains is plain least squares over the edges that are kept, every one of which is
 /// within its threshold, and every one that is switched off is not.
 ///
@@ -74,6 +78,15 @@ class Graduated {
   Evaluation search(const Tools& tools, State& state);
   /// Rounds from one parameter to the cost itself.
   Evaluation pass(const Tools& tools, double parameter, State& state);
+  /// Rounds of truncated least squares proper until no edge changes sides.
+  Evaluation settle(const Tools& tools, State& state);
+  /// Tries to do without single edges that are kept, those with the largest errors first,
+  /// or with single ones that are not, those with the smallest first, and lets be what
+  /// lowers the cost. An edge that is hardly checked by others pulls the estimates to
+  /// itself: false, it is kept with a small error; true, it is missed with a large one.
+  Evaluation flipSuspects(const Tools& tools, bool kept, State& state);
+  using Place = std::pair<std::size_t, std::size_t>;  ///< group and edge
+  bool findSuspect(bool kept, const std::set<Place>& known, Place& suspect) const;
   /// Weighted least squares, roughly or exactly; keeps the squared errors.
   Evaluation round(const Tools& tools, bool exact, State& state);
   /// Whether other edges than in the last round have a weight above 0.

@@ -6,12 +6,17 @@
 #include <memory>
 #include <numeric>
 
+#include "core/base/memory.hpp"
+
 namespace graft {
 
 namespace {
 
 /// Products with fewer multiplications are not worth waking other threads for.
 constexpr double kProductsWorthSharing = 4e6;
+
+/// Leaves of one front that a thread takes at a time.
+constexpr std::size_t kLeavesPerPiece = 64;
 
 /// Nanoseconds, roughly: only their ratio matters, to choose between recurrences and
 /// solutions with unit vectors, which read the whole factor twice.
@@ -126,17 +131,44 @@ class Inversion {
     return recurrences < solutions;
   }
 
+  /// Fronts are kept while children are to come, at most along a path from a root; with
+  /// what the largest one needs beside.
+  double bytesOfFronts() const {
+    std::vector<std::int32_t> pending;
+    for (std::size_t k = 0; k < needed_.size(); ++k) pending.push_back(pending_[k]);
+    double live = 0;
+    double peak = 0;
+    for (std::size_t k = needed_.size(); k-- > 0;) {
+      if (needed_[k] == 0) continue;
+      const Supernode& s = symbolic_.supernodes[k];
+      const double size = entriesOf(s);
+      peak = std::max(peak, live + 2 * size);
+      if (pending[k] > 0) live += size;
+      if (s.parent < 0 || --pending[std::size_t(s.parent)] > 0) continue;
+      live -= entriesOf(symbolic_.supernodes[std::size_t(s.parent)]);
+    }
+    return peak * sizeof(double);
+  }
+  static double entriesOf(const Supernode& s) {
+    const double height = double(s.columns) + s.rows;
+    return height * height;
+  }
+
   void recur() {
+    requireMemory(bytesOfFronts(), "the inverse on the fronts of the factor");
     fronts_.resize(symbolic_.supernodes.size());
     Workspace own;
     for (std::size_t k = symbolic_.supernodes.size(); k-- > 0;) {
-      if (symbolic_.supernodes[k].task < 0 && needed_[k] != 0) invert(k, own, true);
+      const Supernode& s = symbolic_.supernodes[k];
+      if (s.task < 0 && needed_[k] != 0 && !s.absorbed) invertWithLeaves(k, own, true);
     }
     const auto runTask = [&](std::int64_t task) {
       Workspace workspace;
       const auto& list = symbolic_.tasks[std::size_t(task)];
       for (auto k = list.rbegin(); k != list.rend(); ++k) {
-        if (needed_[std::size_t(*k)] != 0) invert(std::size_t(*k), workspace, false);
+        const auto index = std::size_t(*k);
+        if (needed_[index] == 0 || symbolic_.supernodes[index].absorbed) continue;
+        invertWithLeaves(index, workspace, false);
       }
     };
     const auto tasks = std::int64_t(symbolic_.tasks.size());
@@ -155,6 +187,30 @@ class Inversion {
     } else {
       for (int i = 0; i < strips; ++i) body(i);
     }
+  }
+
+  /// A front and then the absorbed leaves under it, for many threads.
+  void invertWithLeaves(std::size_t index, Workspace& w, bool share) {
+    invert(index, w, share);
+    const Supernode& s = symbolic_.supernodes[index];
+    if (s.absorbed_children == 0) return;
+    std::vector<std::size_t> leaves;
+    for (const std::int32_t c : s.children) {
+      const auto child = std::size_t(c);
+      if (needed_[child] != 0 && symbolic_.supernodes[child].absorbed) leaves.push_back(child);
+    }
+    const auto invertRange = [&](std::size_t begin, std::size_t end, Workspace& workspace) {
+      for (std::size_t i = begin; i < end; ++i) invert(leaves[i], workspace, false);
+    };
+    if (!share || pool_ == nullptr || leaves.size() <= kLeavesPerPiece) {
+      return invertRange(0, leaves.size(), w);
+    }
+    const std::size_t pieces = (leaves.size() + kLeavesPerPiece - 1) / kLeavesPerPiece;
+    pool_->run(std::int64_t(pieces), [&](std::int64_t piece) {
+      Workspace own;
+      const std::size_t begin = std::size_t(piece) * kLeavesPerPiece;
+      invertRange(begin, std::min(leaves.size(), begin + kLeavesPerPiece), own);
+    });
   }
 
   /// The inverse on the front of one supernode, given that of its parent.

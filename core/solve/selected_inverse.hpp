@@ -21,7 +21,8 @@ struct BlockPair {
 /// diagonal block does) is found by recurrences from the roots of the elimination
 /// tree down, all of it for about three times what the factorisation costs; what does
 /// not, and a few blocks that solving is predicted to be cheaper for, column by column.
-/// The same bits for any number of threads of the pool (may be null).
+/// The same bits for any number of threads of the pool (may be null). Throws
+/// Error(kNoResult) where memory does not suffice.
 /// Source: Takahashi, Fagan, Chin, "Formation of a sparse bus impedance matrix", 1973;
 /// on fronts: Campbell, Davis, "Computing the sparse inverse subset", 1995.
 std::vector<Eigen::MatrixXd> inverseBlocks(const BlockCholesky& cholesky,

@@ -126,6 +126,15 @@ class Builder {
     }
   }
   ceres::Problem& problem() { return problem_; }
+  /// Where points outnumber poses, eliminating them first is Ceres' faster way.
+  bool isMostlyPoints() const {
+    std::size_t points = 0;
+    for (const VertexRef v : graph_.verticesById()) {
+      const std::string tag = graph_.type(v).tag;
+      points += tag == "VERTEX_XY" || tag == "VERTEX_TRACKXYZ" ? 1 : 0;
+    }
+    return 2 * points > graph_.verticesById().size();
+  }
 
  private:
   void add(const EdgeBlock& block, std::size_t e) {
@@ -168,7 +177,8 @@ PeerResult solveWithCeres(const Graph& graph, const Values& values, std::int64_t
   Builder builder(graph, values);
   builder.build(held);
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.linear_solver_type =
+      builder.isMostlyPoints() ? ceres::SPARSE_SCHUR : ceres::SPARSE_NORMAL_CHOLESKY;
   options.num_threads = threads;
   options.max_num_iterations = 200;
   options.function_tolerance = 1e-6;

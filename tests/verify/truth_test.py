@@ -34,7 +34,7 @@ class Taught(TruthTest):
 
     def test_nearer_to_the_truth(self):
         for name in sweep.TASKS:
-            for seed in (21, 23):
+            for seed in (21, 22):
                 with self.subTest(name=name, seed=seed):
                     task = self.taught(name, seed)
                     result = self.learn(task, f"{name}_{seed}_result")

@@ -2,6 +2,8 @@
 #include "types_lfd/build/scene.hpp"
 
 #include "types_lfd/reach/reach_cache.hpp"
+#include "types_lfd/robot/self_collision.hpp"
+#include "types_lfd/robot/srdf.hpp"
 #include "types_lfd/robot/urdf.hpp"
 
 namespace graft::lfd {
@@ -9,7 +11,12 @@ namespace graft::lfd {
 Chain loadChain(const RobotSpec& robot, Diagnostics& diagnostics) {
   const UrdfModel model = readUrdf(robot.urdf, diagnostics);
   diagnostics.throwIfErrors();
-  return Chain(model, robot.base_link, robot.tip_link, robot.tip_T_gripper);
+  Chain chain(model, robot.base_link, robot.tip_link, robot.tip_T_gripper);
+  if (!robot.srdf.empty()) {
+    const Srdf srdf = readSrdf(robot.srdf, model, diagnostics);
+    chain.setSelfCollision(std::make_shared<SelfCollision>(model, srdf, chain, diagnostics));
+  }
+  return chain;
 }
 
 TaskScene loadScene(const Task& task, Diagnostics& diagnostics, const ReachProgress& progress) {

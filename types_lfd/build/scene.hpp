@@ -23,7 +23,8 @@ struct TaskScene {
   std::unique_ptr<const FootprintChecker> footprint;  ///< null if the task has no map
 };
 
-/// The robot's arm as the task names it.
+/// The robot's arm as the task names it; with an SRDF, configurations in which the
+/// robot hits itself do not count.
 Chain loadChain(const RobotSpec& robot, Diagnostics& diagnostics);
 
 /// Loads all of it; the reachability map comes from the cache or is built, with

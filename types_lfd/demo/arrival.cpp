@@ -50,8 +50,8 @@ double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options) 
   for (double g = earliest; g <= samples.latest; g += options.step) {
     double cost = std::numeric_limits<double>::infinity();
     for (double t = options.shortest; t <= options.longest; t *= 1.1) {
-      // The samples lie after peak speed, which is half-way in time.
-      if (g - earliest > 0.6 * t) continue;
+      // Peak speed is half-way in time.
+      if (g - earliest > (samples.after_peak ? 0.6 : 1.0) * t) continue;
       cost = std::min(cost, residual(samples, g, t));
     }
     moments.push_back(g);

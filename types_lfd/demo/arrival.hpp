@@ -9,12 +9,14 @@
 namespace graft::lfd {
 
 /// Positions (m) of a hand that arrives somewhere and rests, by clock (s,
-/// rising). The caller cuts them so that they begin after peak speed.
+/// rising). The caller cuts them so that they begin after peak speed, or says
+/// that they may begin anywhere on the way.
 struct ArrivalSamples {
   std::vector<double> times;
   std::vector<Eigen::Vector3d> points;
   double edge = 0;    ///< clock at which the hand is at rest up to noise
   double latest = 0;  ///< latest arrival considered
+  bool after_peak = true;
 };
 
 /// Share of the way still to go, `rest` (0 to 1) of the duration before the end

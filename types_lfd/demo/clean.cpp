@@ -118,6 +118,22 @@ Residual offTheLine(const Trajectory& track, std::size_t i, std::size_t first, s
           scale * rotationAngle(rotation.conjugate() * here.rotation)};
 }
 
+/// First sample of the window by which sample i is judged: around it, but where that
+/// spans an occlusion (more than twice the usual time) the window with i that lasts
+/// least, for nobody saw that the motion across it was straight.
+std::size_t windowAround(const std::vector<double>& times, std::size_t i, std::size_t window,
+                         double usual_span) {
+  const std::size_t n = times.size();
+  const auto span = [&](std::size_t first) { return times[first + window - 1] - times[first]; };
+  std::size_t best = std::min(i - std::min(i, window / 2), n - window);
+  if (span(best) <= 2 * usual_span) return best;
+  const std::size_t last = std::min(i, n - window);
+  for (std::size_t first = i - std::min(i, window - 1); first <= last; ++first) {
+    if (span(first) < span(best)) best = first;
+  }
+  return best;
+}
+
 /// Marks samples whose residual is neither small nor usual.
 void markSpikes(const std::vector<double>& residuals, double sigmas, double least,
                 std::size_t window, std::vector<char>& keep) {
@@ -164,10 +180,15 @@ CleanCounts removeOutliers(Trajectory& track, const SpeedLimit& limit,
   const std::size_t n = track.size();
   const std::size_t window = std::min(options.window, n);
   if (window < kFewest) return counts;
+  std::vector<double> spans;
+  for (std::size_t i = 0; i + window <= n; ++i) {
+    spans.push_back(track.times[i + window - 1] - track.times[i]);
+  }
+  const double usual_span = medianOf(spans);
   std::vector<double> shifts(n);
   std::vector<double> turns(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t first = std::min(i - std::min(i, window / 2), n - window);
+    const std::size_t first = windowAround(track.times, i, window, usual_span);
     const Residual residual = offTheLine(track, i, first, first + window - 1);
     shifts[i] = residual.shift;
     turns[i] = residual.turn;

@@ -52,10 +52,10 @@ struct CleanReport {
 ///     noise) is kept. So a first sample or a burst that is wrong cannot throw
 ///     out the right ones.
 ///  2. Spikes: a sample is dropped where it is off the line of its neighbours
-///     (repeated medians over `window` samples; rotation as vectors about the
-///     window's medoid) by more than `sigmas` times the track's, or if that is
-///     more the window's, own scatter, and by more than the least sizes: a
-///     Hampel filter that follows motion.
+///     (repeated medians over `window` samples, at an occlusion those on one side
+///     of it; rotation as vectors about the window's medoid) by more than `sigmas`
+///     times the track's, or if that is more the window's, own scatter, and by
+///     more than the least sizes: a Hampel filter that follows motion.
 /// Throws Error(kInput) where the chain holds less than half of the samples: it
 /// is then unknown which part is right.
 CleanCounts removeOutliers(Trajectory& track, const SpeedLimit& limit,

@@ -62,8 +62,20 @@ ArrivalSamples samplesTowards(const MatchedDemonstration& matched,
   const double limit = std::min(0.5 * furthest, options.reach);
   std::size_t start = edge;
   while (start > 0 && (distance(start - 1) < limit || start == edge)) --start;
+  // Where all of that was hidden, what was seen next to it tells when the hand came.
+  constexpr int kTelling = 3;
+  int telling = 0;
+  for (std::size_t k = start; k < edge; ++k) telling += seen[index(k)] != 0 ? 1 : 0;
+  const bool hidden = telling == 0;
+  if (hidden) {
+    while (start > 0 && telling < kTelling && clock(start - 1) > clock(edge) - options.longest) {
+      --start;
+      telling += seen[index(start)] != 0 ? 1 : 0;
+    }
+  }
 
   ArrivalSamples samples;
+  samples.after_peak = !hidden;
   samples.edge = clock(edge);
   for (std::size_t k = start; k <= far; ++k) {
     if (clock(k) > clock(edge) + options.settle && clock(k) > middle) break;

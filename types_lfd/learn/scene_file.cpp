@@ -31,6 +31,8 @@ ResourceFiles writeSceneFiles(const Task& task, const TaskScene& scene,
     writeFileAtomically(folder + "/map.yaml", scene.map->formatYaml("map.pgm"));
   }
   writeFileAtomically(folder + "/robot.urdf", readFile(task.robot.urdf));
+  const bool has_srdf = !task.robot.srdf.empty();
+  if (has_srdf) writeFileAtomically(folder + "/robot.srdf", readFile(task.robot.srdf));
   std::vector<double> tool(7);
   task.robot.tip_T_gripper.toArray(tool.data());
   Json footprint = Json::array();
@@ -40,6 +42,7 @@ ResourceFiles writeSceneFiles(const Task& task, const TaskScene& scene,
   const Json json = {{"task", task.name},
                      {"robot",
                       {{"urdf", "robot.urdf"},
+                       {"srdf", has_srdf ? Json("robot.srdf") : Json(nullptr)},
                        {"base_link", task.robot.base_link},
                        {"tip_link", task.robot.tip_link},
                        {"tool", tool},
@@ -62,6 +65,9 @@ Task readSceneFiles(const std::string& directory) {
     task.name = json.at("task").get<std::string>();
     const Json& robot = json.at("robot");
     task.robot.urdf = folder + robot.at("urdf").get<std::string>();
+    if (robot.contains("srdf") && !robot.at("srdf").is_null()) {
+      task.robot.srdf = folder + robot.at("srdf").get<std::string>();
+    }
     task.robot.base_link = robot.at("base_link").get<std::string>();
     task.robot.tip_link = robot.at("tip_link").get<std::string>();
     const auto tool = robot.at("tool").get<std::vector<double>>();

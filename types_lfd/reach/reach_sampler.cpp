@@ -49,6 +49,15 @@ struct ReachSampler::Sample {
   GripperView view;
   int ring = 0;
   std::uint8_t quality = 0;
+  /// Heights of the torso at which the robot does not hit itself.
+  std::vector<Range> clear;
+  /// For the test of self-collision: joints with the swept ones where they are
+  /// tested, and pairs that sweeping may bring together.
+  Eigen::VectorXd posture;
+  SelfCollision::Subset pan_pairs;
+  SelfCollision::Subset torso_pairs;
+  SelfCollision::Subset near;
+  BodyFrames bodies;
 };
 
 ReachSampler::ReachSampler(const Chain& chain, const ReachGrid& grid, bool thin,
@@ -74,6 +83,64 @@ ReachSampler::ReachSampler(const Chain& chain, const ReachGrid& grid, bool thin,
   for (int j = 0; j < chain.dof(); ++j) {
     if (j != torso_ && j != pan_ && !(rolls_ && j == chain.dof() - 1)) sampled_.push_back(j);
   }
+  if (const SelfCollision* self = chain.selfCollision()) {
+    arm_pairs_ = self->pairsMovedBy({}, {torso_, pan_});
+    pan_pairs_ = self->pairsMovedBy({pan_}, {torso_});
+    torso_pairs_ = self->pairsMovedBy({torso_}, {});
+  }
+}
+
+/// Whatever torso and pan do. Also finds the pairs that these may bring together.
+bool ReachSampler::armHitsItself(Sample& s) const {
+  s.clear.assign(1, heights_);
+  const SelfCollision* self = chain_.selfCollision();
+  if (self == nullptr) return false;
+  s.posture = s.q;
+  const auto stand = [&](int joint, double value) {
+    if (joint >= 0) s.posture[joint] = value;
+  };
+  const int last = chain_.dof() - 1;
+  if (rolls_) stand(last, std::clamp(0.0, chain_.lower()[last], chain_.upper()[last]));
+  stand(pan_, 0);
+  stand(torso_, chain_.heightSign() * heights_.low);
+  chain_.bodies(s.posture.data(), s.bodies);
+  if (self->collides(s.bodies, arm_pairs_)) return true;
+  const Eigen::Vector2d* axis = pan_ >= 0 ? &pan_origin_ : nullptr;
+  self->keepNear(s.bodies, pan_pairs_, 0, axis, s.pan_pairs);
+  self->keepNear(s.bodies, torso_pairs_, heights_.high - heights_.low, axis, s.torso_pairs);
+  return false;
+}
+
+void ReachSampler::findClear(Sample& s, double turn, double voxel) const {
+  if (s.pan_pairs.empty() && s.torso_pairs.empty()) return;
+  const SelfCollision& self = *chain_.selfCollision();
+  if (pan_ >= 0) s.posture[pan_] = chain_.panSign() * turn;
+  if (torso_ >= 0) s.posture[torso_] = chain_.heightSign() * heights_.low;
+  chain_.bodies(s.posture.data(), s.bodies);
+  s.clear.clear();
+  if (self.collides(s.bodies, s.pan_pairs)) return;
+  const double span = heights_.high - heights_.low;
+  self.keepNear(s.bodies, s.torso_pairs, span, nullptr, s.near);
+  if (s.near.empty()) {
+    s.clear.push_back(heights_);
+    return;
+  }
+  const int steps = static_cast<int>(std::ceil(span / voxel));
+  const double step = steps > 0 ? span / steps : 0;
+  bool open = false;
+  for (int k = 0; k <= steps; ++k) {
+    const double height = heights_.low + k * step;
+    s.posture[torso_] = chain_.heightSign() * height;
+    chain_.bodies(s.posture.data(), s.bodies);
+    if (self.collides(s.bodies, s.near)) {
+      open = false;
+    } else if (open) {
+      s.clear.back().high = height;
+    } else {
+      s.clear.push_back({height, height});
+      open = true;
+    }
+  }
 }
 
 void ReachSampler::run(std::mt19937_64& random, std::uint64_t count, ReachMarks& marks) const {
@@ -85,13 +152,14 @@ void ReachSampler::run(std::mt19937_64& random, std::uint64_t count, ReachMarks&
       s.q[j] = chain_.lower()[j] + uniform(random) * (chain_.upper()[j] - chain_.lower()[j]);
     }
     if (thin_) {
+      if (armHitsItself(s)) continue;
       chain_.jacobian(s.q.data(), s.pose, s.jacobian);
       s.view = ReachGrid::view(s.pose);
       s.quality = quality(s);
       markAround(s, marks);
       continue;
     }
-    if (!toNode(s)) continue;
+    if (!toNode(s) || armHitsItself(s)) continue;
     s.quality = quality(s);
     if (s.ring == 0 || s.ring == grid_.ringCount() - 1) {
       markPole(s, random, marks);
@@ -155,7 +223,7 @@ bool ReachSampler::toNode(Sample& s) const {
   return true;
 }
 
-void ReachSampler::markRing(const Sample& s, ReachMarks& marks) const {
+void ReachSampler::markRing(Sample& s, ReachMarks& marks) const {
   const Eigen::Vector2d from_pan = s.pose.translation.head<2>() - pan_origin_;
   const double step = grid_.nodeStep();
   // Rolls that the last joint turns to, once for all psi.
@@ -173,6 +241,7 @@ void ReachSampler::markRing(const Sample& s, ReachMarks& marks) const {
     rolls[count++] = (r + grid_.rolls) % grid_.rolls;
   }
   if (pan_ < 0) {
+    findClear(s, 0, marks.voxel());
     const int psi = wrapPsi(-static_cast<int>(std::lround(s.view.heading / step)));
     for (int k = 0; k < count; ++k) {
       mark(s, s.pose.translation.head<2>(), s.ring, rolls[k], psi, marks);
@@ -182,6 +251,7 @@ void ReachSampler::markRing(const Sample& s, ReachMarks& marks) const {
   for (int p = 0; p < grid_.psiCount(); ++p) {
     double turn = -p * step - s.view.heading;
     if (!inRange(turn, pans_)) continue;
+    findClear(s, turn, marks.voxel());
     const Eigen::Vector2d position = pan_origin_ + Eigen::Rotation2Dd(turn) * from_pan;
     for (int k = 0; k < count; ++k) mark(s, position, s.ring, rolls[k], p, marks);
   }
@@ -189,7 +259,7 @@ void ReachSampler::markRing(const Sample& s, ReachMarks& marks) const {
 
 /// Straight up or down heading and roll turn about the same axis: their sum
 /// (or difference) has to be right, and the pan joint has a choice.
-void ReachSampler::markPole(const Sample& s, std::mt19937_64& random, ReachMarks& marks) const {
+void ReachSampler::markPole(Sample& s, std::mt19937_64& random, ReachMarks& marks) const {
   const double sign = s.ring > 0 ? 1 : -1;
   const double combined = s.view.heading + sign * s.view.roll;
   const Eigen::Vector2d from_pan = s.pose.translation.head<2>() - pan_origin_;
@@ -211,13 +281,15 @@ void ReachSampler::markPole(const Sample& s, std::mt19937_64& random, ReachMarks
         } else if (std::abs(wrapAngle(needed)) > kFreeMatch) {
           continue;
         }
+        findClear(s, turn, marks.voxel());
         mark(s, pan_origin_ + Eigen::Rotation2Dd(turn) * from_pan, s.ring, r, p, marks);
       }
     }
   }
 }
 
-void ReachSampler::markAround(const Sample& s, ReachMarks& marks) const {
+void ReachSampler::markAround(Sample& s, ReachMarks& marks) const {
+  findClear(s, 0, marks.voxel());
   const double ring = s.view.elevation / grid_.nodeStep() + grid_.level();
   const double psi = -s.view.heading / grid_.nodeStep();
   const double roll = s.view.roll / grid_.rollStep();
@@ -241,14 +313,18 @@ void ReachSampler::mark(const Sample& s, const Eigen::Vector2d& position, int ri
   const Eigen::Vector2d u = -(Eigen::Rotation2Dd(psi * grid_.nodeStep()) * position);
   const int x = static_cast<int>(std::lround(u[0] / voxel)) - 2 * grid_.x0;
   const int y = static_cast<int>(std::lround(u[1] / voxel)) - 2 * grid_.y0;
-  const double z = s.pose.translation[2];
-  const int low = static_cast<int>(std::lround((z + heights_.low) / voxel)) - 2 * grid_.z0;
-  const int high = static_cast<int>(std::lround((z + heights_.high) / voxel)) - 2 * grid_.z0;
-  if (x < 0 || y < 0 || low < 0 || x >= marks.nx() || y >= marks.ny() || high >= marks.nz()) return;
-  marks.mark(ring, roll, psi, y, x, low, high);
-  if (ring % grid_.fine != 0 || psi % grid_.fine != 0) return;
-  for (int k = (low + 1) / 2; k <= high / 2; ++k) {
-    marks.raise(grid_.cell(k, ring / grid_.fine, psi / grid_.fine, y / 2, x / 2), s.quality);
+  if (x < 0 || y < 0 || x >= marks.nx() || y >= marks.ny()) return;
+  const bool cell = ring % grid_.fine == 0 && psi % grid_.fine == 0;
+  for (const Range& heights : s.clear) {
+    const double z = s.pose.translation[2];
+    const int low = static_cast<int>(std::lround((z + heights.low) / voxel)) - 2 * grid_.z0;
+    const int high = static_cast<int>(std::lround((z + heights.high) / voxel)) - 2 * grid_.z0;
+    if (low < 0 || high >= marks.nz()) continue;
+    marks.mark(ring, roll, psi, y, x, low, high);
+    if (!cell) continue;
+    for (int k = (low + 1) / 2; k <= high / 2; ++k) {
+      marks.raise(grid_.cell(k, ring / grid_.fine, psi / grid_.fine, y / 2, x / 2), s.quality);
+    }
   }
 }
 

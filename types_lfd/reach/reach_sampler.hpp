@@ -6,6 +6,7 @@
 
 #include "types_lfd/reach/reach_marks.hpp"
 #include "types_lfd/robot/chain.hpp"
+#include "types_lfd/robot/self_collision.hpp"
 
 namespace graft::lfd {
 
@@ -16,6 +17,10 @@ namespace graft::lfd {
 /// Joints whose effect is known in closed form are not sampled but swept: a
 /// torso (height), a first joint about the vertical (psi, the base moving on a
 /// circle), a last joint about the approach axis (roll).
+///
+/// Where the chain tests for self-collision, only configurations in which the robot
+/// does not hit itself are marked: pan angles singly, heights voxel by voxel. The
+/// last roll's own solids are tested as they stand at 0, or the limit nearest to it.
 ///
 /// Arms with less than six freedoms cannot be corrected: what they reach is
 /// thin. There all nodes around each sample are marked.
@@ -34,9 +39,12 @@ class ReachSampler {
   struct Sample;
 
   bool toNode(Sample& sample) const;
-  void markRing(const Sample& sample, ReachMarks& marks) const;
-  void markPole(const Sample& sample, std::mt19937_64& random, ReachMarks& marks) const;
-  void markAround(const Sample& sample, ReachMarks& marks) const;
+  bool armHitsItself(Sample& sample) const;
+  /// Sets the sample's clear heights for a turn of the pan joint.
+  void findClear(Sample& sample, double turn, double voxel) const;
+  void markRing(Sample& sample, ReachMarks& marks) const;
+  void markPole(Sample& sample, std::mt19937_64& random, ReachMarks& marks) const;
+  void markAround(Sample& sample, ReachMarks& marks) const;
   /// `position`: of the gripper seen from the base, which looks along psi.
   void mark(const Sample& sample, const Eigen::Vector2d& position, int ring, int roll, int psi,
             ReachMarks& marks) const;
@@ -55,6 +63,10 @@ class ReachSampler {
   Range roll_range_{0, 0};
   Eigen::Vector2d pan_origin_ = Eigen::Vector2d::Zero();
   std::vector<int> sampled_;  // joints that are not swept
+  // Pairs of solids that no swept joint, the pan but not the torso, and the torso move.
+  SelfCollision::Subset arm_pairs_;
+  SelfCollision::Subset pan_pairs_;
+  SelfCollision::Subset torso_pairs_;
 };
 
 /// True if every roll of the gripper is as good as any other.

@@ -29,6 +29,13 @@ double share(const ReachMap& map, const std::vector<Pose>& poses, bool held) {
   return poses.empty() ? 1 : static_cast<double>(count) / static_cast<double>(poses.size());
 }
 
+/// A joint vector within the limits in which the robot does not hit itself.
+Eigen::VectorXd sampleAllowed(const Chain& chain, std::mt19937_64& random) {
+  Eigen::VectorXd q = sampleJoints(chain, random);
+  while (chain.hitsItself(q)) q = sampleJoints(chain, random);
+  return q;
+}
+
 }  // namespace
 
 ReachOracle ikOracle(const Chain& chain, int restarts) {
@@ -46,10 +53,10 @@ ReachTrial sampleReachTrial(const Chain& chain, const ReachOracle& oracle, int c
   ReachTrial trial;
   const auto wanted = static_cast<std::size_t>(count);
   while (trial.reachable.size() < wanted) {
-    trial.reachable.push_back(chain.forward(sampleJoints(chain, random)));
+    trial.reachable.push_back(chain.forward(sampleAllowed(chain, random)));
   }
   while (trial.unreachable.size() < wanted) {
-    Pose pose = chain.forward(sampleJoints(chain, random));
+    Pose pose = chain.forward(sampleAllowed(chain, random));
     pose.translation += uniform(random, 0, away) * direction(random);
     if (!oracle(pose)) trial.unreachable.push_back(pose);
   }

@@ -101,7 +101,7 @@ bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& o
   Eigen::VectorXd trial(n);
   int free[kMaxDof];
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    if (within(e, options)) return true;
+    if (within(e, options)) return !chain.hitsItself(q);
     scaled = jacobian * box.scale.asDiagonal();
     normal.noalias() = scaled.transpose().lazyProduct(scaled);
     gradient.noalias() = scaled.transpose().lazyProduct(e);
@@ -131,7 +131,7 @@ bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& o
       if (damping_factor > 1e8) return false;
     }
   }
-  return within(e, options);
+  return within(e, options) && !chain.hitsItself(q);
 }
 
 std::optional<Eigen::VectorXd> solveIk(const Chain& chain, const Pose& base_T_gripper,

@@ -21,8 +21,9 @@ struct IkOptions {
   std::uint64_t seed = 1;  ///< of the restarts; the same seed gives the same answer
 };
 
-/// A joint vector within the limits whose forward kinematics is base_T_gripper
-/// within the tolerances, or nothing if none was found. First tried from
+/// A joint vector within the limits, in which the robot does not hit itself (as
+/// far as the chain knows, Chain::setSelfCollision), whose forward kinematics is
+/// base_T_gripper within the tolerances, or nothing if none was found. First tried from
 /// `start` (dof numbers; clamped to the limits), then from random joint vectors;
 /// of what is found within the first few successes the nearest to `start` is
 /// returned. Continuous joints come out within half a turn of `start`.
@@ -48,7 +49,7 @@ struct IkBox {
 };
 
 /// A single attempt from `q`, which is overwritten by the best joint vector
-/// found. True if within the tolerances.
+/// found. True if within the tolerances and the robot does not hit itself.
 bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& options,
               const IkBox& box, Eigen::VectorXd& q);
 bool refineIk(const Chain& chain, const Pose& base_T_gripper, const IkOptions& options,

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "types_lfd/robot/self_collision.hpp"
+
 namespace graft::lfd {
 
 namespace {
@@ -261,6 +263,38 @@ Eigen::Matrix3Xd Chain::origins(const Eigen::VectorXd& q) const {
     }
   }
   return points;
+}
+
+void Chain::bodies(const double* q, BodyFrames& frames) const {
+  frames.rotation.resize(joints_.size() + 1);
+  frames.translation.resize(joints_.size() + 1);
+  frames.rotation[0].setIdentity();
+  frames.translation[0].setZero();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    Eigen::Matrix3d& r = frames.rotation[i + 1] = frames.rotation[i];
+    Eigen::Vector3d& t = frames.translation[i + 1] = frames.translation[i];
+    append(r, t, joints_[i].rotation, joints_[i].translation);
+    if (joints_[i].prismatic) {
+      t += q[i] * r.col(2);
+    } else {
+      turnAboutZ(r, q[i]);
+    }
+  }
+}
+
+void Chain::setSelfCollision(std::shared_ptr<const SelfCollision> self_collision) {
+  self_collision_.reset();
+  computeReachAndHash();
+  if (self_collision == nullptr || self_collision->empty()) return;
+  self_collision_ = std::move(self_collision);
+  hash_ ^= self_collision_->hash();
+}
+
+bool Chain::hitsItself(const Eigen::VectorXd& q) const {
+  if (self_collision_ == nullptr) return false;
+  thread_local BodyFrames frames;
+  bodies(q.data(), frames);
+  return self_collision_->collides(frames);
 }
 
 }  // namespace graft::lfd

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "types_lfd/robot/urdf.hpp"
 
 namespace graft::lfd {
+
+class SelfCollision;
+struct BodyFrames;
 
 /// The moving joints between two links of a robot, and its kinematics. Joint
 /// vectors hold one number per non-fixed joint, in order from base to tip (rad,
@@ -54,6 +58,16 @@ class Chain {
   /// Where the joints sit: 3 x dof, each joint's origin in the base frame (m).
   Eigen::Matrix3Xd origins(const Eigen::VectorXd& q) const;
 
+  /// Where the bodies between the joints stand (dof + 1 of them).
+  void bodies(const double* q, BodyFrames& frames) const;
+  /// From now on configurations in which the robot hits itself do not count (see
+  /// inverse kinematics and reachability maps). Changes hash() if there is
+  /// anything to test.
+  void setSelfCollision(std::shared_ptr<const SelfCollision> self_collision);
+  /// Null if nothing is tested.
+  const SelfCollision* selfCollision() const { return self_collision_.get(); }
+  bool hitsItself(const Eigen::VectorXd& q) const;
+
   /// Index of a prismatic joint that moves all that follows straight up or
   /// down in the base frame whatever the other joints do (a torso); -1 if none.
   int heightJoint() const { return height_joint_; }
@@ -80,7 +94,7 @@ class Chain {
   const Eigen::Vector3d& firstJointOrigin() const { return first_origin_; }
 
   /// Changes with all that shapes what is reachable: transforms, axes, kinds
-  /// and limits of joints; not with names or speeds.
+  /// and limits of joints, solids that may collide; not with names or speeds.
   std::uint64_t hash() const { return hash_; }
 
  private:
@@ -116,6 +130,7 @@ class Chain {
   double reach_bound_ = 0;
   Eigen::Vector3d first_origin_ = Eigen::Vector3d::Zero();
   std::uint64_t hash_ = 0;
+  std::shared_ptr<const SelfCollision> self_collision_;
 };
 
 /// A joint vector uniform within the limits, drawn from a 64-bit generator.

@@ -174,7 +174,11 @@ UrdfLink readLink(const XmlFile& file, const XMLElement& element) {
   link.name = readName(file, element, "name");
   for (const auto* c = element.FirstChildElement("collision"); c != nullptr;
        c = c->NextSiblingElement("collision")) {
-    if (const auto solid = readSolid(file, *c)) link.collision.push_back(*solid);
+    if (const auto solid = readSolid(file, *c)) {
+      link.collision.push_back(*solid);
+    } else if (const auto* geometry = c->FirstChildElement("geometry")) {
+      if (geometry->FirstChildElement("mesh") != nullptr) ++link.meshes;
+    }
   }
   return link;
 }

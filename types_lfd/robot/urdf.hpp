@@ -51,6 +51,7 @@ struct UrdfSolid {
 struct UrdfLink {
   std::string name;
   std::vector<UrdfSolid> collision;
+  int meshes = 0;  ///< <collision> elements with a mesh
   int line = 0;
 };
 

@@ -352,7 +352,7 @@ TEST_F(GraduationTrust, EdgesOnOneVertexAreTrusted) {
 }
 
 TEST_F(GraduationTrust, KernelsOfCandidatesAreLeftOut) {
-  graph_.setKernel("Huber", 0.01);
+  graph_.setKernel("Huber", 10);
   const Summary summary = solve({});
   EXPECT_EQ(summary.graduation.kernels_left_out, 4);
   EXPECT_EQ(summary.graduation.off.size(), 2u);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <set>
 
 #include "tests/support/test_data.hpp"
@@ -63,6 +64,25 @@ TEST(RemoveOutliers, DropsWhatWasPlanted) {
     EXPECT_EQ(counts.samples - counts.dropped(), track.size());
     EXPECT_LE(counts.dropped(), bad.size() + 1) << plant.what;
     for (const double time : track.times) EXPECT_EQ(bad.count(time), 0U) << plant.what;
+  }
+}
+
+TEST(RemoveOutliers, DrawsNoLineAcrossAnOcclusion) {
+  // A hand that rests, is hidden for most of a second, and is seen again on its way.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> noise(0, 0.004);
+    Trajectory track;
+    for (int i = 0; i < 60; ++i) {
+      const double time = 0.075 * i;
+      if (time > 2 && time < 2.7) continue;
+      const double moved = time < 2 ? 0 : 0.2 + 0.5 * (time - 2.7);
+      Pose pose;
+      pose.translation = {noise(random), moved + noise(random), noise(random)};
+      track.times.push_back(time);
+      track.poses.push_back(pose);
+    }
+    EXPECT_EQ(removeOutliers(track, CleanOptions().hand).dropped(), 0U) << seed;
   }
 }
 

@@ -78,6 +78,29 @@ TEST(Segment, DoesNotTakeAStraightLineAcrossAnOcclusionForMotion) {
   EXPECT_NEAR(found.grasp, recording.graspTime(), 0.6);
 }
 
+TEST(Segment, InfersAHiddenReleaseFromTheHandsWayBehindIt) {
+  // Hidden from before the release until most of the retreat is done.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SyntheticRecording recording;
+    recording.sigma_t = 0.003;
+    recording.seed = seed;
+    Demonstration demonstration = recording.record();
+    const double from = recording.releaseTime() - 0.4;
+    const double to = recording.releaseTime() + 0.7;
+    Trajectory seen;
+    for (std::size_t i = 0; i < demonstration.hand.size(); ++i) {
+      const double time = demonstration.hand.times[i];
+      if (time > from && time < to) continue;
+      seen.times.push_back(time);
+      seen.poses.push_back(demonstration.hand.poses[i]);
+    }
+    demonstration.hand = seen;
+    const Times found = segmentTimes(demonstration);
+    EXPECT_GT(found.release, recording.releaseTime() - 0.2) << seed;
+    EXPECT_LT(found.release, recording.releaseTime() + 0.6) << seed;
+  }
+}
+
 TEST(Segment, GivenTimesOverrideAndSnapToTheNearestTuple) {
   const MatchedDemonstration matched = matchTracks(SyntheticRecording().record());
   const double wanted = 0.6 * matched.times[10] + 0.4 * matched.times[11];
