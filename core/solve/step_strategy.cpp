@@ -17,6 +17,9 @@ constexpr double kSmallestDamping = 1e-16;
 /// Less damping than this hardly shortens a step: after a refusal there is no need to
 /// climb through what full steps have lowered it to.
 constexpr double kSmallestRaised = 1e-8;
+/// With edges that choose what they measure to: full steps have no quadratic end there,
+/// and with less damping directions that hardly anything holds amplify rounding.
+constexpr double kSmallestAssociated = 1e-7;
 constexpr double kFullStepDamping = 1e-6;
 constexpr int kTrials = 10;  ///< per iteration
 
@@ -54,6 +57,7 @@ class LevenbergMarquardt : public StepStrategy {
     std::vector<double>& step = context.step();
     diagonal_.resize(step.size());
     StepResult result;
+    if (context.hasAssociations()) damping_ = std::max(damping_, kSmallestAssociated);
     for (int trial = 0; trial < kTrials; ++trial) {
       if (damping_ > kLargestDamping) {
         if (!last_failure_.empty()) return {Kind::kFailed, damping_, false, last_failure_};
