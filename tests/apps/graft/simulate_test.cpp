@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "apps/graft/simulated_world.hpp"
 #include "tests/support/test_data.hpp"
@@ -41,6 +42,35 @@ TEST_P(Simulate, ResidualsHaveTheStatedNoise) {
       dim * (document["edges"].get<double>() - document["vertices"].get<double>() + 1);
   ASSERT_GT(freedom, 100);
   EXPECT_NEAR(document["chi2_final"].get<double>(), freedom, 5 * std::sqrt(2 * freedom));
+}
+
+/// With much noise, default options end where a solve ends that begins at the truth.
+TEST_P(Simulate, DefaultOptionsFindTheOptimumNearTheTruth) {
+  const bool planar = std::string(GetParam()) == "manhattan";
+  const std::string noise = planar ? "--sigma-t 0.2 --sigma-r 0.1" : "--sigma-t 0.3 --sigma-r 0.2";
+  const std::string folder = testing::makeTemporaryDirectory();
+  const std::string truth = folder + "/truth.txt";
+  const std::string graph = make("--size " + std::string(planar ? "1500" : "10") + " --seed 8 " +
+                                 noise + " --truth " + truth);
+  // The edges as they are, the vertices at their true places.
+  std::istringstream lines(graph);
+  std::string at_truth = testing::readTestFile(truth);
+  ASSERT_EQ(at_truth.find("VERTEX"), 0u);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("VERTEX", 0) != 0) at_truth += line + "\n";
+  }
+  const auto solve = [&](const std::string& text, const char* name, const std::string& options) {
+    const std::string path = testing::writeTestFile(folder, name, text);
+    const testing::CommandResult result = testing::runCommand(
+        testing::binaryDirectory() + "/bin/graft optimize " + path + " --json - " + options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  const auto found = solve(graph, "graph.g2o", "");
+  const auto reference = solve(at_truth, "truth.g2o", "--initial-guess file");
+  EXPECT_EQ(found["status"], "converged");
+  EXPECT_NE(found["chi2_initial"], reference["chi2_initial"]);
+  EXPECT_LE(found["chi2_final"].get<double>(), reference["chi2_final"].get<double>() * (1 + 1e-7));
 }
 
 INSTANTIATE_TEST_SUITE_P(, Simulate, ::testing::Values("sphere", "torus", "grid", "manhattan"),
