@@ -343,7 +343,7 @@ Evaluation Graduated::search(const Tools& tools, State& state) {
     const double smoothest = smoothestParameter();
     state = best;
     squares_ = best_squares;
-    const Evaluation evaluation = pass(tools, parameter, state);
+    Evaluation evaluation = pass(tools, parameter, state);
     ++report_->passes;
     if (!evaluation.ok()) return evaluation;
     const double cost = truncatedCost(evaluation.chi2);

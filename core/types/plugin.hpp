@@ -70,6 +70,7 @@ class PluginRegistry {
 
 #define GRAFT_EXPORT __attribute__((visibility("default")))
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a parameter's name takes no parentheses
 /// Defines the stamp and the entry point of a plugin; the block that follows
 /// registers its types.
 #define GRAFT_PLUGIN(plugin_name, registry)                                                      \
@@ -89,3 +90,4 @@ class PluginRegistry {
   }                                                                                              \
   }                                                                                              \
   static void graftRegisterTypes(::graft::PluginRegistry& registry)
+// NOLINTEND(bugprone-macro-parentheses)
