@@ -23,14 +23,15 @@ std::string seconds(double value) {
   return text;
 }
 
+/// As --initial-guess names it.
 std::string startName(const Summary& summary) {
   switch (summary.start) {
     case StartKind::kGiven:
       return "file";
     case StartKind::kSpanningTree:
-      return "spanning tree";
+      return "spanning-tree";
     case StartKind::kChordal:
-      return "chordal relaxation";
+      return "chordal";
     case StartKind::kPlugin:
       return summary.start_name;
   }

@@ -53,7 +53,8 @@ class GuessView {
     const int status = callPlugin(Callback::kGuess, type.name, message,
                                   [&] { return type.guess(&view_, &message); });
     if (status != GRAFT_OK) {
-      result.failure = message.text[0] != '\0' ? message.text : "it gives no reason";
+      result.failed = true;
+      result.reason = message.text;
       return result;
     }
     for (std::size_t i = 0; i < vertices_.size(); ++i) check(type, before, i);

@@ -11,7 +11,8 @@ namespace graft {
 struct PluginGuessResult {
   Values values;
   std::vector<VertexRef> placed;  ///< free vertices that it gave an estimate
-  std::string failure;            ///< the guess's own reason for having none, else empty
+  bool failed = false;            ///< it has no guess
+  std::string reason;             ///< its own words why, maybe none
 };
 
 /// Runs a guess that a plugin provides from the state's estimates. Throws

@@ -128,9 +128,10 @@ class Chooser {
                       tools_.registry.advice({Kind::kGuess, tools_.options.guess_name}));
     }
     PluginGuessResult result = guessByPlugin(tools_.problem, start_.state, *type);
-    if (result.failure.empty()) return complete(std::move(result.values), result.placed);
+    if (!result.failed) return complete(std::move(result.values), result.placed);
     throw Error(ExitCode::kNoResult,
-                "there is no initial guess " + tools_.options.guess_name + ": " + result.failure);
+                "there is no initial guess " + tools_.options.guess_name + ": " +
+                    (result.reason.empty() ? "it gives no reason" : result.reason));
   }
 
   void noteUnusable(const Evaluation& given, const char* start) {

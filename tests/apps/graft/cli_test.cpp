@@ -166,6 +166,10 @@ TEST(Cli, TheLogTellsEveryIterationInJsonAndInTheSummary) {
   const testing::CommandResult result = graft("optimize " + path + " --json " + json);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto document = nlohmann::json::parse(testing::readTestFile(json));
+  // One of the names that --initial-guess takes.
+  const std::string start = document["start"];
+  EXPECT_EQ(graft("optimize " + path + " --initial-guess " + start).exit_code, 0) << start;
+  EXPECT_NE(start, "file");
   const auto& log = document["log"];
   ASSERT_EQ(log.size(), document["iterations"].get<std::size_t>() + 1);
   EXPECT_EQ(log.front()["chi2"], document["chi2_start"]);
