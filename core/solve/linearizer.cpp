@@ -157,6 +157,42 @@ Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& chan
   return {};
 }
 
+Evaluation Linearizer::takeGreater(State& state, const State& other, std::int64_t& taken) const {
+  const State mixed{state.values, other.associations};
+  std::vector<Evaluation> results(chunks_.size());
+  std::vector<std::int64_t> counts(chunks_.size(), 0);
+  pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
+    const Chunk& chunk = chunks_[std::size_t(piece)];
+    const EdgeGroup& group = problem_->groups()[chunk.group];
+    if (group.type->associate == nullptr) return;
+    const std::int64_t count = chunk.end - chunk.begin;
+    std::vector<double> own(std::size_t(count * group.error_dim));
+    std::vector<double> theirs(own.size());
+    Evaluation& result = results[std::size_t(piece)];
+    result = evaluateChunk(chunk, state, own.data(), nullptr);
+    if (result.ok()) result = evaluateChunk(chunk, mixed, theirs.data(), nullptr);
+    if (!result.ok()) return;
+    const std::int64_t dim = group.type->association_dim;
+    for (std::int64_t e = 0; e < count; ++e) {
+      double difference = 0;
+      for (std::int64_t i = e * group.error_dim; i < (e + 1) * group.error_dim; ++i) {
+        difference += theirs[std::size_t(i)] * theirs[std::size_t(i)] -
+                      own[std::size_t(i)] * own[std::size_t(i)];
+      }
+      if (!(difference > 0)) continue;
+      const std::int64_t first = (chunk.begin + e) * dim;
+      std::copy_n(other.associations[chunk.group].data() + first, dim,
+                  state.associations[chunk.group].data() + first);
+      ++counts[std::size_t(piece)];
+    }
+  });
+  for (std::size_t i = 0; i < chunks_.size(); ++i) {
+    if (!results[i].ok()) return results[i];
+    taken += counts[i];
+  }
+  return {};
+}
+
 Evaluation Linearizer::evaluate(const State& state, std::map<std::string, double>* by_tag) const {
   return const_cast<Linearizer*>(this)->runAll(state, false, by_tag);
 }

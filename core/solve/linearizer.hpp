@@ -41,6 +41,9 @@ class Linearizer {
   Evaluation squaredErrors(const State& state, std::vector<std::vector<double>>& squares) const;
   /// Chooses associations anew at the state's estimates; adds to `changed`.
   Evaluation associate(State& state, std::int64_t& changed) const;
+  /// Gives every edge of `state` the association of `other` where its squared error at
+  /// the state's estimates is greater by that; adds to `taken`.
+  Evaluation takeGreater(State& state, const State& other, std::int64_t& taken) const;
   bool hasAssociations() const { return has_associations_; }
   /// Polled between batches; once it is not 0 evaluations fail at once. Null = never.
   void setInterrupt(const std::atomic<int>* interrupt) { interrupt_ = interrupt; }

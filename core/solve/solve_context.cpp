@@ -49,9 +49,26 @@ void SolveContext::start(State state, double chi2) {
 }
 
 Evaluation SolveContext::linearize() {
+  anticipating_ = false;
+  return linearizeAt(state_);
+}
+
+bool SolveContext::anticipate() {
+  std::int64_t taken = 0;
+  {
+    const PhaseTimer timer(*seconds_, "associate");
+    if (!anticipating_) anticipated_ = state_;
+    if (!linearizer_.takeGreater(anticipated_, trial_, taken).ok() || taken == 0) return false;
+  }
+  anticipating_ = true;
+  return linearizeAt(anticipated_).ok();
+}
+
+Evaluation SolveContext::linearizeAt(const State& state) {
   const PhaseTimer timer(*seconds_, "linearize");
-  Evaluation evaluation = linearizer_.linearize(state_);
+  Evaluation evaluation = linearizer_.linearize(state);
   if (!evaluation.ok()) return evaluation;
+  model_chi2_ = evaluation.chi2;
   equations_.gather(linearizer_, *pool_);
   double largest = 0;
   double sum = 0;

@@ -45,6 +45,12 @@ class SolveContext {
   /// Associates and evaluates the state moved by step(). Returns whether there
   /// is a finite chi2; it is then trialChi2().
   bool evaluateTrial();
+  /// After a refused trial: forms the linear model at the state anew, with the trial's
+  /// association for every edge that is worse off by it, so that the next step counts on
+  /// what the last one ran into. False if there is no such edge.
+  bool anticipate();
+  /// chi2 of the linear model at step 0: chi2(), or more if it anticipates.
+  double modelChi2() const { return model_chi2_; }
   /// The trial becomes the state.
   void acceptTrial();
 
@@ -70,6 +76,8 @@ class SolveContext {
   std::string describe(const LinearOutcome& outcome) const;
 
  private:
+  Evaluation linearizeAt(const State& state);
+
   const Problem* problem_;
   LinearSolver* solver_;
   ThreadPool* pool_;
@@ -78,6 +86,9 @@ class SolveContext {
   NormalEquations equations_;
   State state_;
   State trial_;
+  State anticipated_;  // the state's estimates
+  bool anticipating_ = false;
+  double model_chi2_ = 0;
   double chi2_ = 0;
   double trial_chi2_ = 0;
   std::int64_t trial_changed_ = 0;

@@ -22,6 +22,9 @@ constexpr double kSmallestRaised = 1e-8;
 constexpr double kSmallestAssociated = 1e-7;
 constexpr double kFullStepDamping = 1e-6;
 constexpr int kTrials = 10;  ///< per iteration
+/// Refused steps that are taken anew with what they ran into, per damping. Half-planes
+/// that are out of sight until crossed (dead zones) need it as active sets do.
+constexpr int kAnticipations = 2;
 
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
@@ -58,6 +61,7 @@ class LevenbergMarquardt : public StepStrategy {
     diagonal_.resize(step.size());
     StepResult result;
     if (context.hasAssociations()) damping_ = std::max(damping_, kSmallestAssociated);
+    int anticipations = 0;
     for (int trial = 0; trial < kTrials; ++trial) {
       if (damping_ > kLargestDamping) {
         if (!last_failure_.empty()) return {Kind::kFailed, damping_, false, last_failure_};
@@ -84,6 +88,14 @@ class LevenbergMarquardt : public StepStrategy {
         lower(gain);
         growth_ = 2;
         return result;
+      }
+      if (finite && context.hasAssociations() && anticipations < kAnticipations) {
+        ++anticipations;
+        if (context.anticipate()) continue;
+      }
+      if (anticipations > 0) {
+        if (!context.linearize().ok()) return result;
+        anticipations = 0;
       }
       if (isRounding(predicted, context.chi2())) return stuck(damping_, kNothingToGain);
       raise();
