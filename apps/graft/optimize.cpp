@@ -216,6 +216,12 @@ void addOptimize(Program& program, Clock::time_point start) {
       ->type_name("NAME")
       ->capture_default_str();
   options->engine.addLoadOptions(*command);
+  command
+      ->add_option("--alternatives", solve.alternatives,
+                   "Other choices of edges that list theirs (which grasp, say) to try once "
+                   "converged, those that promise most first; 0 = none")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   command->add_option("--time-limit", solve.time_limit, "Stop after this many seconds, 0 = never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

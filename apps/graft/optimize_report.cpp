@@ -59,6 +59,10 @@ std::string formatIterations(const Summary& summary) {
     std::string text = line;
     if (i == 0) {
       text.resize(kStepColumns, ' ');
+    } else if (record.alternative) {
+      std::snprintf(line, sizeof line, " %10.2e  another choice of an edge %14d",
+                    -record.chi2_change, record.linear_solves);
+      text += line;
     } else {
       char change[16] = "refused";
       if (record.accepted) std::snprintf(change, sizeof change, "%.2e", -record.chi2_change);
@@ -83,6 +87,7 @@ nlohmann::ordered_json iterationLog(const Summary& summary) {
                    {"chi2", record.chi2},
                    {"chi2_change", record.chi2_change},
                    {"accepted", record.accepted},
+                   {"alternative", record.alternative},
                    {"gradient_max", record.gradient_max},
                    {"step_norm", record.step_norm},
                    {"damping", record.damping},
@@ -149,6 +154,10 @@ std::string formatSummary(const LoadedGraph& loaded, const Summary& summary,
                    std::to_string(graduation.rounds) + " rounds, " +
                    std::to_string(graduation.iterations) + " iterations");
   }
+  if (summary.alternatives_tried > 0) {
+    row("choices", std::to_string(summary.alternatives_tried) + " others tried, " +
+                       std::to_string(summary.alternatives_taken) + " taken");
+  }
   row("solver",
       summary.linear_solver + (summary.ordering.empty() ? "" : ", ordering " + summary.ordering) +
           (summary.factor_bytes > 0 ? ", " + formatBytes(summary.factor_bytes) : "") + ", " +
@@ -191,6 +200,8 @@ std::string formatJson(const LoadedGraph& loaded, const Summary& summary, const 
   document["factor_flops"] = summary.factor_flops;
   document["factor_bytes"] = summary.factor_bytes;
   document["associations_changed"] = summary.associations_changed;
+  document["alternatives"] = {{"tried", summary.alternatives_tried},
+                              {"taken", summary.alternatives_taken}};
   document["notes"] = summary.notes;
   document["phases"] = summary.seconds_by_phase;
   document["log"] = iterationLog(summary);

@@ -198,6 +198,53 @@ void checkAssociate(const EdgeSamples& samples) {
   }
 }
 
+/// The k-th choice of the first edge of a batch; empty if there are no more.
+Numbers choiceOf(const EdgeSamples& samples, const Batch& batch, int k) {
+  Buffer chosen(std::size_t(samples.type->association_dim), Placement::kAtPageEnd);
+  std::uint8_t there = 7;
+  graft_message message = {};
+  if (samples.type->associate(batch.get(), GRAFT_ALTERNATIVE + k, chosen.data(), &there,
+                              &message) != GRAFT_OK) {
+    throw Defect("associate() fails at choice " + std::to_string(k) + ": " + message.text);
+  }
+  if (there > 1) throw Defect("associate() leaves `changed` unwritten at a choice");
+  if (there == 1 && chosen.firstUnwritten() < chosen.size()) {
+    throw Defect("associate() leaves choice " + std::to_string(k) + " unwritten");
+  }
+  return there == 1 ? chosen.numbers() : Numbers();
+}
+
+void checkAlternatives(const EdgeSamples& samples) {
+  constexpr int kMost = 1000000;
+  const int dim = samples.type->association_dim;
+  for (std::int64_t e = 0; e < std::min<std::int64_t>(samples.count, 4); ++e) {
+    // The same edge at its own estimates and at another's.
+    std::vector<const double*> own;
+    std::vector<const double*> other;
+    for (std::size_t k = 0; k < samples.slots.size(); ++k) {
+      const int ambient = samples.slots[k]->ambient_dim;
+      own.push_back(samples.vertices[k].data() + e * ambient);
+      other.push_back(samples.vertices[k].data() + (e + 1) % samples.count * ambient);
+    }
+    const double* measurement = samples.measurements.data() + e * samples.measurement_dim;
+    const double* chosen = samples.associations.data() + e * dim;
+    const Batch batch(samples, 1, own, measurement, chosen);
+    const Batch elsewhere(samples, 1, other, measurement, chosen);
+    bool listed = false;
+    for (int k = 0;; ++k) {
+      if (k == kMost) throw Defect("associate() lists a million choices and goes on");
+      const Numbers choice = choiceOf(samples, batch, k);
+      const Numbers again = choiceOf(samples, elsewhere, k);
+      if (choice.size() != again.size() || !sameBits(choice.data(), again.data(), choice.size())) {
+        throw Defect("choice " + std::to_string(k) + " depends on the estimates");
+      }
+      if (choice.empty()) break;
+      listed = listed || sameBits(choice.data(), chosen, choice.size());
+    }
+    if (!listed) throw Defect("associate() chooses what is not among the choices that it lists");
+  }
+}
+
 void checkShape(const EdgeSamples& samples) {
   if (samples.type->shape == nullptr) throw Skip("it has a fixed number of vertices");
   for (const std::int32_t arity : {0, -1}) {
@@ -229,6 +276,9 @@ void addEdgeChecks(const Context& context, const graft_edge_type& type, Checks& 
       addFunctionChecks(
           "associate" + suffix, [sample] { return associateFunction(sample()); }, checks);
       add("associate.again", checkAssociate);
+      if ((type.flags & GRAFT_EDGE_HAS_ALTERNATIVES) != 0) {
+        add("associate.alternatives", checkAlternatives);
+      }
     }
     add("identity", checkIdentity);
     add("jacobian", checkJacobian);

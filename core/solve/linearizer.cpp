@@ -194,7 +194,11 @@ Evaluation Linearizer::takeGreater(State& state, const State& other, std::int64_
 }
 
 Evaluation Linearizer::evaluate(const State& state, std::map<std::string, double>* by_tag) const {
-  return const_cast<Linearizer*>(this)->runAll(state, false, by_tag);
+  std::vector<Evaluation> results(chunks_.size());
+  pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
+    results[std::size_t(piece)] = run(chunks_[std::size_t(piece)], state, nullptr, nullptr);
+  });
+  return sum(results, by_tag);
 }
 
 Evaluation Linearizer::linearize(const State& state) {
@@ -204,24 +208,37 @@ Evaluation Linearizer::linearize(const State& state) {
     residuals_[g].resize(rows);
     jacobians_[g].resize(rows * std::size_t(groups[g].tangent_dim));
   }
-  return runAll(state, true, nullptr);
+  linearized_.assign(chunks_.size(), {});
+  return linearizeChunks(state, false);
 }
 
-Evaluation Linearizer::runAll(const State& state, bool keep,
-                              std::map<std::string, double>* by_tag) {
-  std::vector<Evaluation> results(chunks_.size());
+Evaluation Linearizer::linearizeAssociated(const State& state) {
+  return linearizeChunks(state, true);
+}
+
+Evaluation Linearizer::linearizeChunks(const State& state, bool associated_only) {
   pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
-    if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed) != 0) {
-      results[std::size_t(piece)].failure = "interrupted";
-      return;
-    }
     const Chunk& chunk = chunks_[std::size_t(piece)];
-    const std::int64_t row = chunk.begin * problem_->groups()[chunk.group].error_dim;
-    results[std::size_t(piece)] = evaluateChunk(
-        chunk, state, keep ? residuals_[chunk.group].data() + row : nullptr,
-        keep ? jacobians_[chunk.group].data() + row * problem_->groups()[chunk.group].tangent_dim
-             : nullptr);
+    if (associated_only && problem_->groups()[chunk.group].type->associate == nullptr) return;
+    linearized_[std::size_t(piece)] =
+        run(chunk, state, residuals_[chunk.group].data(), jacobians_[chunk.group].data());
   });
+  return sum(linearized_, nullptr);
+}
+
+Evaluation Linearizer::run(const Chunk& chunk, const State& state, double* residuals,
+                           double* jacobians) const {
+  if (interrupt_ != nullptr && interrupt_->load(std::memory_order_relaxed) != 0) {
+    return {0, "interrupted"};
+  }
+  const EdgeGroup& group = problem_->groups()[chunk.group];
+  const std::int64_t row = chunk.begin * group.error_dim;
+  return evaluateChunk(chunk, state, residuals != nullptr ? residuals + row : nullptr,
+                       jacobians != nullptr ? jacobians + row * group.tangent_dim : nullptr);
+}
+
+Evaluation Linearizer::sum(const std::vector<Evaluation>& results,
+                           std::map<std::string, double>* by_tag) const {
   Evaluation total;
   for (std::size_t i = 0; i < chunks_.size(); ++i) {
     if (!results[i].ok()) return results[i];

@@ -37,6 +37,8 @@ class Linearizer {
   Evaluation evaluate(const State& state, std::map<std::string, double>* by_tag = nullptr) const;
   /// F at the state; keeps residuals and Jacobians for residuals() and jacobians().
   Evaluation linearize(const State& state);
+  /// The same for a state that differs from the one linearised last in associations only.
+  Evaluation linearizeAssociated(const State& state);
   /// The squared whitened error of every edge of every group, neither weighted nor robust.
   Evaluation squaredErrors(const State& state, std::vector<std::vector<double>>& squares) const;
   /// Chooses associations anew at the state's estimates; adds to `changed`.
@@ -63,7 +65,13 @@ class Linearizer {
   struct Scratch;
   Evaluation evaluateChunk(const Chunk& chunk, const State& state, double* residuals,
                            double* jacobians) const;
-  Evaluation runAll(const State& state, bool keep, std::map<std::string, double>* by_tag);
+  /// `residuals` and `jacobians` of the whole group, or null.
+  Evaluation run(const Chunk& chunk, const State& state, double* residuals,
+                 double* jacobians) const;
+  Evaluation linearizeChunks(const State& state, bool associated_only);
+  /// In canonical order, of the chunks' evaluations.
+  Evaluation sum(const std::vector<Evaluation>& results,
+                 std::map<std::string, double>* by_tag) const;
   Evaluation associateAll(State& state, bool first, std::int64_t& changed) const;
 
   const Problem* problem_;
@@ -72,6 +80,7 @@ class Linearizer {
   std::vector<Chunk> chunks_;
   std::vector<std::vector<double>> residuals_;
   std::vector<std::vector<double>> jacobians_;
+  std::vector<Evaluation> linearized_;  // per chunk
   bool has_associations_ = false;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/solve/optimizer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
+#include "core/solve/alternatives.hpp"
 #include "core/solve/graduated.hpp"
 #include "core/solve/inspection.hpp"
 #include "core/solve/start.hpp"
@@ -125,6 +127,7 @@ class Solve {
     context.setInterrupt(options_.interrupt);
     context.start(std::move(state), chi2);
     loop(context);
+    if (summary_.status == Status::kConverged) tryAlternatives(context);
     noteFreeDirections(context);
     summary_.associations_changed = context.associationsChanged();
     summary_.chi2_final = context.chi2();
@@ -148,10 +151,7 @@ class Solve {
   /// solve has ended with that.
   bool graduate(State& state, double& chi2) {
     if (graduated_ == nullptr) return true;
-    const auto must_stop = [this] {
-      return isInterrupted() ||
-             (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit);
-    };
+    const auto must_stop = [this] { return isOver(); };
     const Evaluation evaluation = graduated_->run(
         {linearizer_, solver_, memory_, pool_, summary_.seconds_by_phase, must_stop}, state);
     chi2 = evaluation.chi2;
@@ -246,6 +246,61 @@ class Solve {
         return finish(Status::kConverged, "the step is below step_tolerance");
       }
     }
+  }
+
+  /// Whether other choices of edges lead lower, those first that promise most.
+  void tryAlternatives(SolveContext& context) {
+    // Predictions are as linear as the model: what two standard deviations of one
+    // measurement make may still be lower in truth.
+    constexpr double kDoubt = 4;
+    std::vector<Alternative> been;  // choices that were tried or left
+    std::vector<Alternative> found;
+    while (summary_.alternatives_tried < options_.alternatives && !isOver()) {
+      if (found.empty()) found = findAlternatives(context);
+      const auto next = std::find_if(found.begin(), found.end(), [&](const Alternative& a) {
+        return std::none_of(been.begin(), been.end(),
+                            [&](const Alternative& b) { return b.isSameAs(a); });
+      });
+      if (next == found.end() || next->predicted_chi2 > context.chi2() + kDoubt) return;
+      been.push_back(*next);
+      been.push_back(currentChoice(context, *next));
+      ++summary_.alternatives_tried;
+      const State kept = context.state();
+      const double chi2 = context.chi2();
+      const int factorizations = context.factorizations();
+      const std::int64_t changed = context.associationsChanged();
+      if (context.follow(next->group, next->edge, next->association)) pursue(context, chi2);
+      if (!(context.chi2() < chi2)) {
+        context.restore(kept, chi2);
+        continue;
+      }
+      ++summary_.alternatives_taken;
+      IterationRecord entry;
+      entry.iteration = summary_.iterations.back().iteration + 1;
+      entry.chi2_change = chi2 - context.chi2();
+      entry.linear_solves = context.factorizations() - factorizations;
+      entry.associations_changed = context.associationsChanged() - changed;
+      entry.alternative = true;
+      record(entry, context.chi2());
+      found.clear();
+    }
+  }
+
+  /// Iterates as long as that may end below a chi2.
+  void pursue(SolveContext& context, double wanted) {
+    constexpr double kOutlook = 10;  // more than this many times the last gain is not expected
+    const std::unique_ptr<StepStrategy> strategy = StepStrategy::create(options_);
+    for (int i = 0; i < options_.iterations && !isOver(); ++i) {
+      const double before = context.chi2();
+      if (!context.linearize().ok()) return;
+      if (strategy->iterate(context).kind != StepResult::Kind::kAccepted) return;
+      const double change = before - context.chi2();
+      if (change <= options_.association_tolerance * before) return;
+      if (context.chi2() - kOutlook * change > wanted) return;
+    }
+  }
+  bool isOver() const {
+    return isInterrupted() || (options_.time_limit > 0 && watch_.seconds() >= options_.time_limit);
   }
 
   /// No step lowers chi2: at a minimum that is convergence. Where not even the

@@ -46,7 +46,8 @@ struct IterationRecord {
   double step_norm = 0;     ///< length of the tangent step
   double damping = 0;       ///< lambda used
   bool accepted = true;
-  int linear_solves = 0;  ///< factorisations in this iteration
+  bool alternative = false;  ///< not a step: another choice of an edge, and all that followed
+  int linear_solves = 0;     ///< factorisations in this iteration
   std::int64_t associations_changed = 0;
   double seconds = 0;  ///< since the start of the solve
 };
@@ -62,6 +63,9 @@ struct SolveOptions {
   int iterations = 100;
   int threads = 0;        ///< 0 = all processors; results do not depend on it
   double time_limit = 0;  ///< seconds, 0 = none; checked between iterations
+  /// How many other choices of edges that list theirs (GRAFT_EDGE_HAS_ALTERNATIVES) are
+  /// tried once converged, those that promise the lowest chi2 first.
+  int alternatives = 3;
   /// Converged when an accepted step changes chi2 by less than this, relative.
   double function_tolerance = 1e-10;
   /// The same for graphs with edges that choose what they measure to (nearest

@@ -11,6 +11,7 @@ namespace graft {
 namespace {
 
 constexpr double kSmallestScale = 1e-9;
+constexpr double kLeastDamping = 1e-7;
 
 /// Adds the time of a scope to a phase.
 class PhaseTimer {
@@ -66,7 +67,8 @@ bool SolveContext::anticipate() {
 
 Evaluation SolveContext::linearizeAt(const State& state) {
   const PhaseTimer timer(*seconds_, "linearize");
-  Evaluation evaluation = linearizer_.linearize(state);
+  Evaluation evaluation =
+      anticipating_ ? linearizer_.linearizeAssociated(state) : linearizer_.linearize(state);
   if (!evaluation.ok()) return evaluation;
   model_chi2_ = evaluation.chi2;
   equations_.gather(linearizer_, *pool_);
@@ -104,6 +106,39 @@ LinearOutcome SolveContext::solveForStep() {
     outcome.message = "the solution of the normal equations is not finite";
   }
   return outcome;
+}
+
+bool SolveContext::factorizeForStep() {
+  std::vector<double> damping(scale_.size());
+  for (double lambda = kLeastDamping; lambda < 1; lambda *= 100) {
+    for (std::size_t i = 0; i < damping.size(); ++i) damping[i] = lambda * scale_[i];
+    if (factorize(damping.data()).ok && solveForStep().ok) return true;
+  }
+  return false;
+}
+
+bool SolveContext::solve(const std::vector<double>& b, std::vector<double>& x) {
+  const PhaseTimer timer(*seconds_, "solve");
+  if (!solver_->solve(b.data(), x.data()).ok) return false;
+  double sum = 0;
+  for (const double entry : x) sum += 0.0 * entry;
+  return sum == 0;
+}
+
+bool SolveContext::follow(std::size_t group, std::int64_t edge,
+                          const std::vector<double>& association) {
+  anticipated_ = state_;
+  std::copy(association.begin(), association.end(),
+            anticipated_.associations[group].begin() + edge * std::int64_t(association.size()));
+  anticipating_ = true;
+  if (!linearizeAt(anticipated_).ok() || !factorizeForStep() || !evaluateTrial()) return false;
+  acceptTrial();
+  return true;
+}
+
+void SolveContext::restore(State state, double chi2) {
+  state_ = std::move(state);
+  chi2_ = chi2;
 }
 
 bool SolveContext::evaluateTrial() {

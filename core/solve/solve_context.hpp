@@ -45,6 +45,15 @@ class SolveContext {
   /// Associates and evaluates the state moved by step(). Returns whether there
   /// is a finite chi2; it is then trialChi2().
   bool evaluateTrial();
+  /// Factors with the least damping that works and solves for the step; false if none does.
+  bool factorizeForStep();
+  /// x = (last factor)^-1 b; false if it is not finite.
+  bool solve(const std::vector<double>& b, std::vector<double>& x);
+  /// Moves to where the linear model leads with another association of an edge, and
+  /// associates anew there, whether that lowers chi2 or not. False if it cannot.
+  bool follow(std::size_t group, std::int64_t edge, const std::vector<double>& association);
+  /// Goes back to a state of this context.
+  void restore(State state, double chi2);
   /// After a refused trial: forms the linear model at the state anew, with the trial's
   /// association for every edge that is worse off by it, so that the next step counts on
   /// what the last one ran into. False if there is no such edge.

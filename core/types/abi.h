@@ -27,7 +27,7 @@ extern "C" {
 
 #define GRAFT_ABI_MAGIC 0x54465247u /* "GRFT" in little-endian bytes */
 #define GRAFT_ABI_MAJOR 1u
-#define GRAFT_ABI_MINOR 2u
+#define GRAFT_ABI_MINOR 3u
 #define GRAFT_STAMP_SECTION ".graft.stamp"
 #define GRAFT_METADATA_SECTION ".graft.meta"
 #define GRAFT_REGISTER_SYMBOL "graft_plugin_register"
@@ -156,8 +156,13 @@ enum {
   GRAFT_EDGE_ALLOWS_REPEATS = 2,
   /* propagate() to any slot but the first looks at the first vertex alone, so that
    * it may be called while others are not known yet. */
-  GRAFT_EDGE_FIRST_PLACES = 4
+  GRAFT_EDGE_FIRST_PLACES = 4,
+  /* associate() also enumerates what there is to choose from, see there. */
+  GRAFT_EDGE_HAS_ALTERNATIVES = 8
 };
+
+/* For `first` of associate(): the choice number first - GRAFT_ALTERNATIVE. */
+enum { GRAFT_ALTERNATIVE = 2 };
 
 typedef struct graft_edge_type {
   uint32_t struct_size;
@@ -183,7 +188,10 @@ typedef struct graft_edge_type {
   /* Null, or: chooses anew what each edge is associated with (nearest grasp, ...)
    * at the current estimates by the edge's own metric, writes associations and
    * sets changed[e] to 1 where it differs from the one given. `first` is 1 where
-   * there is no earlier association. */
+   * there is no earlier association. With GRAFT_EDGE_HAS_ALTERNATIVES `first` may also
+   * be GRAFT_ALTERNATIVE + k: writes the association with the edge's k-th choice (k = 0, 1,
+   * ..., the same for the same edge, whatever the estimates) and sets changed[e] to 1, or
+   * to 0 if there are no more than k. */
   int (*associate)(const graft_edge_batch* batch, int32_t first, double* associations,
                    uint8_t* changed, graft_message* message);
   /* Null, or: the estimate of the vertex in slot `to` that makes those entries of the

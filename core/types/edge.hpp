@@ -146,12 +146,20 @@ struct FieldsOf<E, std::void_t<decltype(E::fields)>> {
   static constexpr const char* kFields = E::fields;
 };
 template <class E, class = void>
+struct HasAlternative : std::false_type {};
+template <class E>
+struct HasAlternative<
+    E, std::void_t<decltype(std::declval<const E&>().alternative(0, std::declval<double*>()))>>
+    : std::true_type {};
+template <class E>
+constexpr std::uint32_t kOwnFlags = HasAlternative<E>::value ? GRAFT_EDGE_HAS_ALTERNATIVES : 0;
+template <class E, class = void>
 struct FlagsOf {
-  static constexpr std::uint32_t kFlags = 0;
+  static constexpr std::uint32_t kFlags = kOwnFlags<E>;
 };
 template <class E>
 struct FlagsOf<E, std::void_t<decltype(E::kFlags)>> {
-  static constexpr std::uint32_t kFlags = E::kFlags;
+  static constexpr std::uint32_t kFlags = E::kFlags | kOwnFlags<E>;
 };
 
 }  // namespace detail
@@ -172,6 +180,9 @@ struct FlagsOf<E, std::void_t<decltype(E::kFlags)>> {
 ///    whole; without it they come from forward dual numbers;
 ///  - bool associate(bool first, const V<double>&..., const InformationBlock&,
 ///    double* association) const: see graft_edge_type; true if it changed;
+///  - bool alternative(int k, double* association) const: writes the k-th of all that
+///    associate() may choose; false if there are no more. The solver then asks, once it
+///    has converged, whether another choice would have cost less;
 ///  - bool propagate(int to, V<double>&...) const: sets the vertex in slot `to`
 ///    so that the error vanishes; false if it cannot;
 ///  - static constexpr int kRelaxedRows[GRAFT_RELAXATION_STAGES] and
@@ -285,6 +296,13 @@ class Edge {
         return detail::guarded(message, [&] {
           for (std::int64_t e = 0; e < batch->count; ++e) {
             const Derived edge = detail::makeEdge<Derived>(*batch, e);
+            if constexpr (detail::HasAlternative<Derived>::value) {
+              if (first >= GRAFT_ALTERNATIVE) {
+                double* chosen = associations + e * Derived::kAssociationDim;
+                changed[e] = edge.alternative(first - GRAFT_ALTERNATIVE, chosen) ? 1 : 0;
+                continue;
+              }
+            }
             changed[e] = associateOne(edge, first != 0, batch->vertices + e * kArity,
                                       InformationBlock(batch->information[e], Dim, Dim),
                                       associations + e * Derived::kAssociationDim, Indices())

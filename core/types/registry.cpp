@@ -90,6 +90,8 @@ void stageEdge(void* host, const graft_edge_type* type) {
           "association_dim must not be negative");
   require((type->association_dim > 0) == (type->associate != nullptr),
           "association_dim and associate() go together");
+  require((type->flags & GRAFT_EDGE_HAS_ALTERNATIVES) == 0 || type->associate != nullptr,
+          "only types with associate() have alternatives");
   require(dynamic == (type->shape != nullptr), "shape() goes with dynamic arity");
   require(dynamic || (type->error_dim > 0 && type->measurement_dim >= 0),
           "only types of dynamic arity have dynamic dimensions");

@@ -104,35 +104,47 @@ struct GraspQualityEdge : Edge<GraspQualityEdge, 6, SE3>, Associated<9>, Using<G
   void jacobians(const Pose& object_T_gripper, JacobianBlock<6, 6> by_grasp) const {
     PoseChainDerivatives(object_T_gripper, Pose(), Pose::fromArray(association)).byZ(by_grasp);
   }
+  /// Every valid grasp, straight and turned.
+  bool alternative(int k, double* chosen) const {
+    const auto& grasps = resource<>().valid();
+    const auto i = static_cast<std::size_t>(k / 2);
+    if (i >= grasps.size()) return false;
+    choose(grasps[i], k % 2 != 0, chosen);
+    return true;
+  }
   bool associate(bool first, const Pose& object_T_gripper, const InformationBlock& information,
                  double* chosen) const {
     const auto& grasps = resource<>().valid();
     double best = 0;
     int best_index = -1;
     bool best_turned = false;
-    Pose best_pose;
     for (std::size_t i = 0; i < grasps.size(); ++i) {
       for (const bool turned : {false, true}) {
-        const Pose pose =
-            turned ? flippedGrasp(grasps[i].object_T_gripper) : grasps[i].object_T_gripper;
+        const Pose pose = poseOf(grasps[i], turned);
         const Vec<double, 6> e = poseError(object_T_gripper.inverse() * pose);
         const double cost = e.dot(information * e);
         if (best_index < 0 || cost < best) {
           best = cost;
           best_index = static_cast<int>(i);
           best_turned = turned;
-          best_pose = pose;
         }
       }
     }
     if (best_index < 0) throw Error(ExitCode::kNoResult, "the grasp set is empty");
-    const double row = grasps[static_cast<std::size_t>(best_index)].row;
-    const double turned = best_turned ? 1 : 0;
-    const bool changed = first || chosen[7] != row || chosen[8] != turned;
-    best_pose.toArray(chosen);
-    chosen[7] = row;
-    chosen[8] = turned;
-    return changed;
+    const double row = chosen[7];
+    const double turned = chosen[8];
+    choose(grasps[static_cast<std::size_t>(best_index)], best_turned, chosen);
+    return first || chosen[7] != row || chosen[8] != turned;
+  }
+
+ private:
+  static Pose poseOf(const Grasp& grasp, bool turned) {
+    return turned ? flippedGrasp(grasp.object_T_gripper) : grasp.object_T_gripper;
+  }
+  static void choose(const Grasp& grasp, bool turned, double* chosen) {
+    poseOf(grasp, turned).toArray(chosen);
+    chosen[7] = grasp.row;
+    chosen[8] = turned ? 1 : 0;
   }
 };
 

@@ -115,6 +115,46 @@ struct Nearest : Edge<Nearest, 2, TestPoint2>, Measured<Numbers<6>>, Associated<
   }
 };
 
+/// TEST_NEAREST that lists its choices.
+struct Choice : Edge<Choice, 2, TestPoint2>, Measured<Numbers<6>>, Associated<1> {
+  static constexpr auto tag = "TEST_CHOICE";
+  static constexpr auto doc = "a point is at the nearest of three anchors, or at another";
+  template <class T>
+  Vec<T, 2> error(const TestPoint2<T>& p) const {
+    const int i = 2 * int(*association);
+    return Vec<T, 2>(p.coordinates[0] - measurement.values[i],
+                     p.coordinates[1] - measurement.values[i + 1]);
+  }
+  bool associate(bool first, const TestPoint2<double>& p, const InformationBlock& information,
+                 double* chosen) const {
+    Nearest nearest;
+    nearest.measurement = measurement;
+    return nearest.associate(first, p, information, chosen);
+  }
+  bool alternative(int k, double* chosen) const {
+    *chosen = k;
+    return k < 3;
+  }
+};
+
+/// One-sided: a half-plane that an edge sees only once it has been crossed.
+struct Beyond : Edge<Beyond, 1, TestPoint2>, Measured<Numbers<3>>, Associated<1> {
+  static constexpr auto tag = "TEST_BEYOND";
+  static constexpr auto doc = "a x + b y >= c";
+  template <class T>
+  Vec<T, 1> error(const TestPoint2<T>& p) const {
+    const auto& m = measurement.values;
+    return Vec<T, 1>(*association * (m[0] * p.coordinates[0] + m[1] * p.coordinates[1] - m[2]));
+  }
+  bool associate(bool first, const TestPoint2<double>& p, const InformationBlock&,
+                 double* chosen) const {
+    const auto& m = measurement.values;
+    const double before = *chosen;
+    *chosen = m[0] * p.coordinates[0] + m[1] * p.coordinates[1] < m[2] ? 1 : 0;
+    return first || *chosen != before;
+  }
+};
+
 struct NotFinite : Edge<NotFinite, 2, TestPoint2>, Measured<Numbers<2>> {
   static constexpr auto tag = "TEST_NAN";
   static constexpr auto doc = "pulls to x y, but is not finite where x > 5";
@@ -242,6 +282,8 @@ int registerTypes(const graft_registrar* registrar, graft_message*) {
   types.add<Difference>();
   types.add<Range>();
   types.add<Nearest>();
+  types.add<Choice>();
+  types.add<Beyond>();
   types.add<NotFinite>();
   types.add<Forgets>();
   types.add<Wrong>();

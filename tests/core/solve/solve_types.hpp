@@ -16,6 +16,8 @@ namespace graft::testing {
 ///  TEST_PRIOR: a point is at (x, y); TEST_DIFFERENCE: b - a = (x, y);
 ///  TEST_RANGE: distance of two points;
 ///  TEST_NEAREST: the point is at the nearest of three anchors (x y x y x y);
+///  TEST_CHOICE: the same, and lists its choices;
+///  TEST_BEYOND: a x + b y >= c (a b c), nothing where that holds;
 ///  TEST_NAN: not finite once a point's x is above 5 (x y);
 ///  TEST_FORGETS: leaves its Jacobian unwritten;
 ///  TEST_WRONG: a Jacobian of the wrong sign;

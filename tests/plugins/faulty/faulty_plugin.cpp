@@ -2,6 +2,7 @@
 // A plugin with one type of each kind that is right, unless the environment
 // variable GRAFT_TEST_FAULT names a fault. Written against the C interface, as
 // an author without our C++ layer would.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -209,12 +210,23 @@ int evaluateNearest(const graft_edge_batch* batch, double* errors, double* jacob
   return GRAFT_OK;
 }
 
+/// Whole numbers there are to choose from: -kLargest .. kLargest.
+constexpr int kLargest = 20;
+
 /// The nearest whole number.
 int associateNearest(const graft_edge_batch* batch, std::int32_t first, double* associations,
                      std::uint8_t* changed, graft_message*) {
   spoil("associate");
   for (std::int64_t i = 0; i < batch->count; ++i) {
-    const double nearest = std::round(batch->vertices[i][0]);
+    if (first >= GRAFT_ALTERNATIVE) {
+      const int k = first - GRAFT_ALTERNATIVE;
+      associations[i] = k - kLargest + (fault("choices_unlisted") ? 0.5 : 0) +
+                        (fault("choices_depend") ? batch->vertices[i][0] : 0);
+      changed[i] = k <= 2 * kLargest || fault("choices_endless") ? 1 : 0;
+      continue;
+    }
+    const double nearest =
+        std::min(std::max(std::round(batch->vertices[i][0]), 0.0 - kLargest), 0.0 + kLargest);
     changed[i] = first != 0 || nearest != associations[i] || fault("always_changed") ? 1 : 0;
     if (fault("never_changed")) changed[i] = 0;
     associations[i] = nearest;
@@ -228,6 +240,7 @@ graft_edge_type nearestType() {
   graft_edge_type type = {};
   type.struct_size = sizeof type;
   type.tag = "FAULTY_NEAREST";
+  type.flags = GRAFT_EDGE_HAS_ALTERNATIVES;
   type.doc = "nearest whole x";
   type.fields = "";
   type.arity = type.error_dim = type.association_dim = 1;
