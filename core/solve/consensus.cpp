@@ -34,6 +34,20 @@ bool Consensus::grow(State& state, Evaluation& evaluation) {
   return evaluation.ok();
 }
 
+Evaluation Consensus::regrow(Place without, State& state) {
+  edges_->setWeight({without}, 0);
+  all_considered_ = true;
+  evicted_ = {without};
+  Evaluation evaluation = rounds_->run(WeightedRounds::Effort::kExact, state);
+  while (evaluation.ok() && !rounds_->tools().must_stop() &&
+         innovations_.begin(rounds_->tools(), state)) {
+    const std::vector<Place> places = choose(findOpen());
+    if (places.empty()) break;
+    evaluation = admit(places, state);
+  }
+  return evaluation;
+}
+
 /// The edges that may come into use, best predicted first.
 std::vector<Consensus::Open> Consensus::findOpen() {
   std::vector<Open> open;
@@ -51,12 +65,13 @@ std::vector<Consensus::Open> Consensus::findOpen() {
 /// Those whose turn it is, or was, and that agree; more turns until there are some.
 std::vector<Consensus::Place> Consensus::choose(const std::vector<Open>& open) {
   std::vector<Place> chosen;
+  if (considered_.empty() && !all_considered_) presumeNoise(open);
   std::size_t left = 0;
-  for (const Open& one : open) left += considered_.count(one.place) == 0 ? 1 : 0;
+  for (const Open& one : open) left += isConsidered(one.place) ? 0 : 1;
   const std::size_t turn = std::max<std::size_t>(1, left / kShare);
   std::size_t next = 0;
   for (const Open& one : open) {
-    if (considered_.count(one.place) == 0) {
+    if (!isConsidered(one.place)) {
       if (next >= turn && one.view.spread > kTight && !chosen.empty()) continue;
       if (next >= turn && one.view.spread > kTight) next = 0;
       ++next;
@@ -67,20 +82,31 @@ std::vector<Consensus::Place> Consensus::choose(const std::vector<Open>& open) {
   return chosen;
 }
 
+/// Before there is an edge in use to tell the noise: thresholds for that of those whose turn
+/// is first.
+void Consensus::presumeNoise(const std::vector<Open>& open) {
+  std::vector<std::pair<Place, double>> squares;
+  for (const Open& one : open) {
+    if (squares.size() >= open.size() / kShare && one.view.spread > kTight) break;
+    squares.emplace_back(one.place, one.view.square);
+  }
+  edges_->presumeNoise(squares);
+}
+
 Evaluation Consensus::admit(const std::vector<Place>& places, State& state) {
   edges_->setWeight(places, 1);
-  bool exact = false;
+  bool fair = false;
   for (;;) {
-    const Evaluation evaluation = rounds_->run(
-        exact ? WeightedRounds::Effort::kExact : WeightedRounds::Effort::kRough, state);
+    const Evaluation evaluation =
+        rounds_->run(fair ? WeightedRounds::Effort::kFair : WeightedRounds::Effort::kRough, state);
     if (!evaluation.ok() || rounds_->tools().must_stop()) return evaluation;
     const std::vector<Place> beyond = findWorst();
     if (beyond.empty()) return evaluation;
-    if (exact) {
+    if (fair) {
       edges_->setWeight(beyond, 0);
       evicted_.insert(beyond.begin(), beyond.end());
     }
-    exact = !exact;
+    fair = !fair;
   }
 }
 

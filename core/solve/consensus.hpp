@@ -19,18 +19,20 @@ namespace graft {
 /// estimates follow, and who is then beyond its threshold goes for good, the worst first.
 class Consensus {
  public:
+  using Place = RobustEdges::Place;
+
   Consensus(RobustEdges& edges, WeightedRounds& rounds)
-      : edges_(&edges),
-        rounds_(&rounds),
-        innovations_(edges.problem(), rounds.tools().pool) {}
+      : edges_(&edges), rounds_(&rounds), innovations_(edges.problem(), rounds.tools().pool) {}
 
   /// Grows the set and moves the state to its optimum, roughly; thresholds follow the noise
   /// that shows. False, with nothing changed but weights and squared errors, where the
   /// trusted edges do not determine every vertex.
   bool grow(State& state, Evaluation& evaluation);
+  /// Takes one edge out of use and lets those come in that agree without it, with thresholds
+  /// as they are.
+  Evaluation regrow(Place without, State& state);
 
  private:
-  using Place = RobustEdges::Place;
   struct Open {
     Place place;
     Innovations::View view;
@@ -40,13 +42,16 @@ class Consensus {
     }
   };
   std::vector<Open> findOpen();
+  bool isConsidered(Place place) const { return all_considered_ || considered_.count(place) > 0; }
   std::vector<Place> choose(const std::vector<Open>& open);
+  void presumeNoise(const std::vector<Open>& open);
   std::vector<Place> findWorst() const;
   Evaluation admit(const std::vector<Place>& places, State& state);
 
   RobustEdges* edges_;
   WeightedRounds* rounds_;
   Innovations innovations_;
+  bool all_considered_ = false;
   std::set<Place> considered_;
   std::set<Place> evicted_;
 };

@@ -67,26 +67,22 @@ class Graduated {
   /// The best state so far, with weights settled there.
   struct Best {
     double cost = 0;
+    double chi2 = 0;
     State state;
     RobustEdges::Numbers squares;
   };
 
   Evaluation begin(WeightedRounds& rounds, State& state);
   /// Passes from smoother and smoother costs; leaves the best state and its weights.
-  Evaluation search(WeightedRounds& rounds, int patience, State& state);
+  Evaluation search(WeightedRounds& rounds, State& state);
   /// Rounds from one parameter to the cost itself.
   Evaluation pass(WeightedRounds& rounds, double parameter, State& state);
-  /// Tries to do without single edges that are kept, or with single ones that are not, and
-  /// lets be what lowers the cost. An edge that is hardly checked by others pulls the
-  /// estimates to itself: false, it is kept with a small error; true, it is missed with a
-  /// large one.
-  Evaluation flipSuspects(WeightedRounds& rounds, bool kept, State& state);
-  /// Edges whose flip is predicted to lower the cost, or nearly, the most promising first.
-  std::vector<Place> findSuspects(const WeightedRounds& rounds, bool kept, const State& state);
 
   const SolveOptions* options_;
   GraduationReport* report_;
   RobustEdges edges_;
+  bool grown_ = false;       ///< whether the search begins with edges that agree
+  bool too_smooth_ = false;  ///< the last pass ended at once, for its rounds cost too much
 };
 
 }  // namespace graft

@@ -20,8 +20,9 @@ constexpr std::int64_t kEdgesPerPiece = 64;
 constexpr double kUnchecked = 1e-6;
 
 /// Row-major block of a Jacobian.
-using Rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>,
-                        0, Eigen::OuterStride<>>;
+using Rows =
+    Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
+               Eigen::OuterStride<>>;
 
 }  // namespace
 
@@ -106,12 +107,12 @@ void Innovations::predict(Place p, const double* x, double* error) const {
 }
 
 std::vector<Innovations::View> Innovations::sample(const std::vector<Place>& places) {
-  const auto count = std::int64_t(places.size());
-  std::vector<Eigen::MatrixXd> covariances(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const int dim = problem_->groups()[places[i].first].error_dim;
-    covariances[i] = Eigen::MatrixXd::Identity(dim, dim);
+  std::vector<Eigen::MatrixXd> covariances;
+  for (const Place& p : places) {
+    const int dim = problem_->groups()[p.first].error_dim;
+    covariances.emplace_back(Eigen::MatrixXd::Identity(dim, dim));
   }
+  const auto count = std::int64_t(places.size());
   const auto forEach = [&](const std::function<void(std::size_t)>& visit) {
     tools_->pool.run((count + kEdgesPerPiece - 1) / kEdgesPerPiece, [&](std::int64_t piece) {
       const std::int64_t end = std::min((piece + 1) * kEdgesPerPiece, count);
@@ -119,7 +120,7 @@ std::vector<Innovations::View> Innovations::sample(const std::vector<Place>& pla
     });
   };
   std::vector<double> x(std::size_t(problem_->dim()));
-  for (int k = 0; k < kSample && !tools_->must_stop(); ++k) {
+  for (int k = 0; k < kSample && count > 0 && !tools_->must_stop(); ++k) {
     const std::vector<double> right = noise(std::uint64_t(k) + 1);
     tools_->solver.solve(right.data(), x.data());
     forEach([&](std::size_t i) {
@@ -138,15 +139,24 @@ std::vector<Innovations::View> Innovations::sample(const std::vector<Place>& pla
   return views;
 }
 
-std::vector<double> Innovations::removals(const std::vector<Place>& places) {
-  std::vector<double> falls(places.size(), 0);
+Eigen::MatrixXd Innovations::jacobian(Place p, std::size_t slot) const {
+  const EdgeGroup& group = problem_->groups()[p.first];
+  const int dim = group.error_dim;
+  const double* first = linearizer_.jacobians(p.first).data() +
+                        p.second * std::size_t(dim) * std::size_t(group.tangent_dim) +
+                        group.slot_offsets[slot];
+  return Rows(first, dim, group.slot_dims[slot], Eigen::OuterStride<>(group.tangent_dim));
+}
+
+std::vector<Innovations::Removal> Innovations::removals(const std::vector<Place>& places) {
+  std::vector<Removal> removals(places.size());
   Linearizer used(*problem_, tools_->pool);
-  if (!used.linearize(state_).ok()) return falls;
+  if (!used.linearize(state_).ok()) return removals;
   NormalEquations equations(*problem_);
   equations.gather(used, tools_->pool);
   BlockCholesky cholesky(&tools_->pool);
   cholesky.analyze(equations.pattern());
-  if (cholesky.factorize(equations.hessian().data(), nullptr) >= 0) return falls;
+  if (cholesky.factorize(equations.hessian().data(), nullptr) >= 0) return removals;
   std::vector<BlockPair> pairs;
   for (const Place& p : places) {
     forEachFree(p, [&](std::size_t, std::size_t a) {
@@ -158,32 +168,26 @@ std::vector<double> Innovations::removals(const std::vector<Place>& places) {
   const std::vector<Eigen::MatrixXd> blocks = inverseBlocks(cholesky, pairs, &tools_->pool);
   std::size_t next = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const EdgeGroup& group = problem_->groups()[places[i].first];
-    const int dim = group.error_dim;
-    const double* jacobian = linearizer_.jacobians(places[i].first).data() +
-                             places[i].second * std::size_t(dim) * std::size_t(group.tangent_dim);
-    const auto columnsOf = [&](std::size_t slot) {
-      return Rows(jacobian + group.slot_offsets[slot], dim, group.slot_dims[slot],
-                  Eigen::OuterStride<>(group.tangent_dim));
-    };
+    const int dim = problem_->groups()[places[i].first].error_dim;
     Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(dim, dim);
     forEachFree(places[i], [&](std::size_t s, std::size_t a) {
       forEachFree(places[i], [&](std::size_t t, std::size_t b) {
         if (a < b) return;
         const Eigen::MatrixXd part =
-            columnsOf(s) * blocks[next++] * columnsOf(t).transpose();
+            jacobian(places[i], s) * blocks[next++] * jacobian(places[i], t).transpose();
         rest -= part;
         if (a != b) rest -= part.transpose();
       });
     });
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(rest);
     const Eigen::VectorXd along = spectrum.eigenvectors().transpose() * residual(places[i]);
+    removals[i].checked = spectrum.eigenvalues()[0];
     for (int k = 0; k < dim; ++k) {
       const double checked = spectrum.eigenvalues()[k];
-      if (checked > kUnchecked) falls[i] += along[k] * along[k] / checked;
+      if (checked > kUnchecked) removals[i].fall += along[k] * along[k] / checked;
     }
   }
-  return falls;
+  return removals;
 }
 
 }  // namespace graft

@@ -37,10 +37,14 @@ class Innovations {
   /// measurement), so that many edges cost as much as one: S to some ten per cent.
   std::vector<View> sample(const std::vector<Place>& places);
 
-  /// By what chi2 falls if an edge in use is taken out, for each of them, exactly (to first
-  /// order). 0 for what no other edge checks. Throws Error(kNoResult) where memory does not
-  /// suffice.
-  std::vector<double> removals(const std::vector<Place>& places);
+  /// An edge that is in use as seen by the others.
+  struct Removal {
+    double fall = 0;     ///< of chi2 without it; 0 in directions that no other edge checks
+    double checked = 0;  ///< least eigenvalue of I - J H^-1 J': 0 = not at all, 1 = fully
+  };
+  /// Exactly (to first order), for about what three factorisations cost. Throws
+  /// Error(kNoResult) where memory does not suffice.
+  std::vector<Removal> removals(const std::vector<Place>& places);
 
  private:
   std::vector<double> noise(std::uint64_t seed) const;
@@ -49,6 +53,8 @@ class Innovations {
   template <class Visit>
   void forEachFree(Place place, const Visit& visit) const;
   Eigen::Map<const Eigen::VectorXd> residual(Place place) const;
+  /// J of an edge: error_dim x the dimension of a slot.
+  Eigen::MatrixXd jacobian(Place place, std::size_t slot) const;
 
   Problem* problem_;
   Linearizer linearizer_;

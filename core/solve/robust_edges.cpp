@@ -22,6 +22,8 @@ constexpr double kNegligible = 1e-3;
 constexpr double kMargin = 9;
 constexpr double kSameNoise = 0.8;
 constexpr double kLeastRedundancy = 30;
+/// The quantile that tells the noise where a part of the edges are false.
+constexpr double kPresumedTrue = 0.25;
 /// Errors of a millionth of what is expected are rounding.
 constexpr double kLeastNoise = 1e-12;
 
@@ -108,17 +110,14 @@ void RobustEdges::findThresholds() {
     thresholds_.emplace_back();
     for (const int freedom : freedoms) {
       while (quantiles.size() <= std::size_t(freedom)) {
-        quantiles.push_back(
-            chiSquareQuantile(options_->inlier_probability, int(quantiles.size())));
+        quantiles.push_back(chiSquareQuantile(options_->inlier_probability, int(quantiles.size())));
       }
       thresholds_.back().push_back(report_->noise_factor * quantiles[std::size_t(freedom)]);
     }
   }
 }
 
-double RobustEdges::ratio(Place p) const {
-  return threshold(p) > 0 ? square(p) / threshold(p) : 0;
-}
+double RobustEdges::ratio(Place p) const { return threshold(p) > 0 ? square(p) / threshold(p) : 0; }
 
 RobustEdges::Numbers RobustEdges::weights() const {
   Numbers weights;
@@ -214,7 +213,26 @@ bool RobustEdges::fitNoise(double kept, bool always) {
     }
   }
   if (redundancy < kLeastRedundancy) return false;
-  const double factor = std::min(1.0, std::max(kLeastNoise, kMargin * kept / redundancy));
+  return setNoise(kept / redundancy, always);
+}
+
+void RobustEdges::presumeNoise(const std::vector<std::pair<Place, double>>& rises) {
+  double freedoms = 0;
+  std::vector<double> variances;
+  for (const auto& [p, rise] : rises) {
+    const int freedom = freedoms_[p.first][p.second];
+    if (freedom == 0) continue;
+    freedoms += freedom;
+    variances.push_back(rise / chiSquareQuantile(kPresumedTrue, freedom));
+  }
+  if (!options_->fit_noise || freedoms < kLeastRedundancy) return;
+  const auto place = variances.begin() + std::ptrdiff_t(kPresumedTrue * double(variances.size()));
+  std::nth_element(variances.begin(), place, variances.end());
+  setNoise(*place, true);
+}
+
+bool RobustEdges::setNoise(double variance, bool always) {
+  const double factor = std::min(1.0, std::max(kLeastNoise, kMargin * variance));
   const double change = factor / report_->noise_factor;
   if (change == 1 || (!always && change > kSameNoise && change * kSameNoise < 1)) return false;
   report_->noise_factor = factor;

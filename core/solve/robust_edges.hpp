@@ -55,6 +55,9 @@ class RobustEdges {
   /// a-posteriori variance factor, but not more than 1 (a factor that is nearly right
   /// stays unless `always`). Returns whether thresholds have changed.
   bool fitNoise(double kept, bool always);
+  /// The same from edges that are not in use, with what chi2 would rise by with each: as if a
+  /// quarter or more of them were true.
+  void presumeNoise(const std::vector<std::pair<Place, double>>& rises);
   /// Writes down which edges have weight 0.
   void reportOff() const;
 
@@ -64,6 +67,7 @@ class RobustEdges {
   void findCandidates();
   void findFreedoms();
   void findThresholds();
+  bool setNoise(double variance, bool always);
   double weightOf(double square, double threshold, double parameter) const;
 
   Problem* problem_;

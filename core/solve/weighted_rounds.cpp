@@ -13,6 +13,7 @@ namespace {
 constexpr int kSettlingRounds = 60;
 /// Iterations of a round, and the relative change of F that ends it.
 constexpr int kRoughIterations = 2;
+constexpr int kFairIterations = 8;
 constexpr int kExactIterations = 30;
 constexpr double kRoughTolerance = 1e-4;
 constexpr double kExactTolerance = 1e-9;
@@ -40,6 +41,11 @@ bool WeightedRounds::weightsDiffer(double least) const {
   return false;
 }
 
+void WeightedRounds::limitCost(double factor) {
+  most_flops_ = factor * tools_.solver.flops();
+  too_costly_ = false;
+}
+
 Evaluation WeightedRounds::run(Effort effort, State& state) {
   ++report_->rounds;
   Evaluation evaluation = tools_.linearizer.evaluate(state);
@@ -53,11 +59,16 @@ Evaluation WeightedRounds::run(Effort effort, State& state) {
   weights_ = std::move(weights);
   SolveContext context(edges_->problem(), tools_.solver, tools_.memory, tools_.pool,
                        tools_.seconds);
+  too_costly_ = most_flops_ > 0 && tools_.solver.flops() > most_flops_;
+  if (too_costly_) return evaluation;
   context.start(std::move(state), evaluation.chi2);
   const bool exact = effort == Effort::kExact;
   const double tolerance = exact ? kExactTolerance : kRoughTolerance;
+  const int most = exact                     ? kExactIterations
+                   : effort == Effort::kFair ? kFairIterations
+                                             : kRoughIterations;
   bool linearized = false;
-  for (int i = 0; i < (exact ? kExactIterations : kRoughIterations) && !tools_.must_stop(); ++i) {
+  for (int i = 0; i < most && !tools_.must_stop(); ++i) {
     if (!linearized) evaluation = context.linearize();
     if (!evaluation.ok()) break;
     linearized = true;

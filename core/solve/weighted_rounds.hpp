@@ -29,14 +29,20 @@ class WeightedRounds {
                  GraduationReport& report)
       : edges_(&edges), options_(&options), tools_(tools), report_(&report) {}
 
-  /// A few iterations (the cost changes anyway before the next round), or the minimum.
-  enum class Effort { kRough, kExact };
+  /// A few iterations (the cost changes anyway before the next round), as many as bring
+  /// something, or the minimum.
+  enum class Effort { kRough, kFair, kExact };
   /// Minimises with the weights as they are and keeps the squared errors at the new state.
   /// Returns F there, or why it failed.
   Evaluation run(Effort effort, State& state);
   /// Rounds of truncated least squares proper (weight 1 where s <= c2, else 0) until no
   /// edge changes sides, from the weights as they are.
   Evaluation settle(State& state);
+  /// From now on, rounds do nothing where a factorisation is predicted to cost more than
+  /// so many times what it did in the last round; 0 = no limit.
+  void limitCost(double factor);
+  /// Whether the last round was one of those.
+  bool wasTooCostly() const { return too_costly_; }
   /// Whether some weight is other by more than `least` than in the last round.
   bool weightsDiffer(double least) const;
 
@@ -48,6 +54,8 @@ class WeightedRounds {
   GraduationTools tools_;
   GraduationReport* report_;
   RobustEdges::Numbers weights_;  ///< in the last round
+  double most_flops_ = 0;         ///< 0 = no limit
+  bool too_costly_ = false;
 };
 
 }  // namespace graft
