@@ -34,15 +34,17 @@ bool Consensus::grow(State& state, Evaluation& evaluation) {
   return evaluation.ok();
 }
 
-Evaluation Consensus::regrow(Place without, State& state) {
+Evaluation Consensus::regrow(Place without, State& state, bool& any) {
   edges_->setWeight({without}, 0);
   all_considered_ = true;
   evicted_ = {without};
-  Evaluation evaluation = rounds_->run(WeightedRounds::Effort::kExact, state);
+  any = false;
+  Evaluation evaluation = rounds_->run(WeightedRounds::Effort::kFair, state);
   while (evaluation.ok() && !rounds_->tools().must_stop() &&
          innovations_.begin(rounds_->tools(), state)) {
     const std::vector<Place> places = choose(findOpen());
     if (places.empty()) break;
+    any = true;
     evaluation = admit(places, state);
   }
   return evaluation;

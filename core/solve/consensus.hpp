@@ -29,8 +29,8 @@ class Consensus {
   /// trusted edges do not determine every vertex.
   bool grow(State& state, Evaluation& evaluation);
   /// Takes one edge out of use and lets those come in that agree without it, with thresholds
-  /// as they are.
-  Evaluation regrow(Place without, State& state);
+  /// as they are; `any`: whether there are some.
+  Evaluation regrow(Place without, State& state, bool& any);
 
  private:
   struct Open {

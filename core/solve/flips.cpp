@@ -65,17 +65,19 @@ std::vector<Flips::Place> Flips::find(Kind kind, const State& state) const {
   return places;
 }
 
-Evaluation Flips::flip(Kind kind, Place place, State& state) {
+bool Flips::flip(Kind kind, Place place, State& state, Evaluation& evaluation) {
+  bool changed = true;
   if (kind == Kind::kUnchecked) {
-    const Evaluation evaluation = Consensus(*edges_, *rounds_).regrow(place, state);
-    if (!evaluation.ok()) return evaluation;
+    evaluation = Consensus(*edges_, *rounds_).regrow(place, state, changed);
   } else {
     edges_->setWeight({place}, kind == Kind::kContradicted ? 0 : 1);
-    const Evaluation evaluation = rounds_->run(WeightedRounds::Effort::kFair, state);
-    if (!evaluation.ok()) return evaluation;
-    edges_->setSides();
+    evaluation = rounds_->run(WeightedRounds::Effort::kFair, state);
+    changed = isOff(kind) ? edges_->ratio(place) <= 1 : edges_->ratio(place) > 1;
   }
-  return rounds_->settle(state);
+  if (!evaluation.ok() || !changed) return false;
+  edges_->setSides();
+  evaluation = rounds_->settle(state);
+  return evaluation.ok();
 }
 
 bool Flips::tryAll(Kind kind, State& state, Evaluation& evaluation) {
@@ -91,9 +93,10 @@ bool Flips::tryAll(Kind kind, State& state, Evaluation& evaluation) {
     known.insert(suspects[next]);
     const State before = state;
     const RobustEdges::Numbers squares = edges_->squares();
-    const Evaluation flipped = flip(kind, suspects[next], state);
+    Evaluation flipped;
+    const bool changed = flip(kind, suspects[next], state, flipped);
     const double flipped_cost = edges_->truncatedCost(flipped.chi2);
-    if (flipped.ok() && flipped_cost < cost * (1 - kSameCost)) {
+    if (changed && flipped_cost < cost * (1 - kSameCost)) {
       evaluation = flipped;
       cost = flipped_cost;
       any = true;

@@ -33,7 +33,8 @@ class Flips {
   static bool isOff(Kind kind) { return kind == Kind::kMissed || kind == Kind::kUnpredicted; }
   /// The most promising first, for missed ones those that are a near thing, too.
   std::vector<Place> find(Kind kind, const State& state) const;
-  Evaluation flip(Kind kind, Place place, State& state);
+  /// Settles with an edge on the other side; false if it fails or would not stay there.
+  bool flip(Kind kind, Place place, State& state, Evaluation& evaluation);
   /// Whether some flip of a kind has lowered the cost.
   bool tryAll(Kind kind, State& state, Evaluation& evaluation);
 
