@@ -53,7 +53,7 @@ Evaluation Graduated::search(WeightedRounds& rounds, State& state) {
   rounds.limitCost(grown_ ? kMostCostly : 0);
   bool progress = !grown_;
   double parameter = 1;
-  for (int worse = 0; worse < kPatience || grown_;) {
+  for (int worse = 0; worse < kPatience || rounds.isLimited();) {
     if (!evaluation.ok() || rounds.tools().must_stop()) return evaluation;
     evaluation = pass(rounds, parameter, state);
     ++report_->passes;

@@ -20,20 +20,21 @@ namespace graft {
 /// The paper begins where the cost is nearly convex. From a start by odometry that is
 /// slow, for false edges fill the factor, and it gets lost where drift is large beside few
 /// loops. So it begins with edges that agree (see Consensus), if the trusted ones determine
-/// every vertex, or else with the start given. Then there are several passes, each ending
-/// at the cost itself: the first begins with it, each further one ten times smoother, from
-/// the best state so far, until smoothness as in the paper is reached or three passes have
-/// brought no progress. A pass ends with rounds of truncated least squares proper until no
-/// edge changes sides, for either kind; the sum of min(s, c2) tells which state is best. At
-/// the best, edges that chi2 is predicted to fall without by more than their threshold are
-/// tried without, and those that it would hardly rise with are tried with (see
-/// Innovations). So what remains is plain least squares over the edges that are kept,
-/// every one of which is within its threshold, and every one that is switched off is not.
+/// every vertex, or else with the start given. The sum of min(s, c2) tells which state is
+/// best. At the best, single edges are tried on the other side (see Flips). Then there are
+/// passes, each ending at the cost itself: the first begins with it, each further one ten
+/// times smoother, from the best state so far, until smoothness as in the paper is reached.
+/// They end earlier where false edges make a round's factor eight times as costly as that of
+/// the kept edges, or, if there are no edges that agree to begin with, with three passes
+/// without progress. A pass ends with rounds of truncated least squares proper until no edge
+/// changes sides, for either kind. So what remains is plain least squares over the edges that
+/// are kept, every one of which is within its threshold, and every one that is switched off
+/// is not.
 ///
 /// Information matrices often claim much more noise than there is, and then false edges
 /// pass that everybody else would see. The a-posteriori variance factor (chi2 of the kept
 /// edges over their redundancy) tells; where nine times that (thrice the deviation) is less
-/// than 1, thresholds shrink by it and the passes are repeated.
+/// than 1, thresholds shrink by it, and the search is repeated where that changes them.
 ///
 /// Trusted edges always have weight 1 and keep their robust kernels; those of the others
 /// are left out, for graduation takes their place. Deterministic for any number of

@@ -41,6 +41,8 @@ class WeightedRounds {
   /// From now on, rounds do nothing where a factorisation is predicted to cost more than
   /// so many times what it did in the last round; 0 = no limit.
   void limitCost(double factor);
+  /// Not where the linear solver does not predict what it costs.
+  bool isLimited() const { return most_flops_ > 0; }
   /// Whether the last round was one of those.
   bool wasTooCostly() const { return too_costly_; }
   /// Whether some weight is other by more than `least` than in the last round.
