@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.hpp"
 #include "core/solve/consensus.hpp"
@@ -31,7 +32,7 @@ Evaluation Graduated::pass(WeightedRounds& rounds, double parameter, State& stat
   while (!rounds.tools().must_stop() && !too_smooth_) {
     const bool decided = edges_.setWeights(parameter);
     if (truncated && decided && parameter > 1) break;
-    if (rounds.weightsDiffer(kSameWeight)) {
+    if (!grown_ || rounds.weightsDiffer(kSameWeight)) {
       const Evaluation evaluation = rounds.run(WeightedRounds::Effort::kRough, state);
       if (!evaluation.ok()) return evaluation;
       too_smooth_ = rounds.wasTooCostly();
@@ -46,10 +47,15 @@ Evaluation Graduated::pass(WeightedRounds& rounds, double parameter, State& stat
 Evaluation Graduated::search(WeightedRounds& rounds, State& state) {
   Flips flips(edges_, rounds);
   const bool truncated = options_->graduation.kind == RobustEstimation::kTruncatedLeastSquares;
-  edges_.setSides();
-  Evaluation evaluation = rounds.settle(state);
-  if (evaluation.ok() && grown_) evaluation = flips.run(state);
-  Best best{edges_.truncatedCost(evaluation.chi2), evaluation.chi2, state, edges_.squares()};
+  Evaluation evaluation;
+  Best best;
+  best.cost = std::numeric_limits<double>::infinity();
+  if (grown_) {
+    edges_.setSides();
+    evaluation = rounds.settle(state);
+    if (evaluation.ok()) evaluation = flips.run(state);
+    best = {edges_.truncatedCost(evaluation.chi2), evaluation.chi2, state, edges_.squares()};
+  }
   rounds.limitCost(grown_ ? kMostCostly : 0);
   bool progress = !grown_;
   double parameter = 1;
@@ -84,6 +90,7 @@ Evaluation Graduated::begin(WeightedRounds& rounds, State& state) {
   Evaluation evaluation;
   Consensus consensus(edges_, rounds);
   grown_ = consensus.grow(state, evaluation);
+  rounds.setCareful(!grown_);
   if (grown_) {
     evaluation = edges_.truncatedCost(linearizer, given);
     const Evaluation grown = edges_.truncatedCost(linearizer, state);

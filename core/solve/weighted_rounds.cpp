@@ -13,6 +13,7 @@ namespace {
 constexpr int kSettlingRounds = 60;
 /// Iterations of a round, and the relative change of F that ends it.
 constexpr int kRoughIterations = 2;
+constexpr int kCarefulIterations = 5;
 constexpr int kFairIterations = 8;
 constexpr int kExactIterations = 30;
 constexpr double kRoughTolerance = 1e-4;
@@ -66,6 +67,7 @@ Evaluation WeightedRounds::run(Effort effort, State& state) {
   const double tolerance = exact ? kExactTolerance : kRoughTolerance;
   const int most = exact                     ? kExactIterations
                    : effort == Effort::kFair ? kFairIterations
+                   : careful_                ? kCarefulIterations
                                              : kRoughIterations;
   bool linearized = false;
   for (int i = 0; i < most && !tools_.must_stop(); ++i) {
@@ -93,10 +95,10 @@ Evaluation WeightedRounds::settle(State& state) {
   Evaluation evaluation;
   bool settled = false;
   for (int i = 0; i < kSettlingRounds; ++i) {
-    evaluation = run(settled ? Effort::kExact : Effort::kRough, state);
+    evaluation = run(settled || careful_ ? Effort::kExact : Effort::kRough, state);
     if (!evaluation.ok() || tools_.must_stop()) break;
     const bool changed = edges_->setSides();
-    if (settled && !changed) break;
+    if ((settled || careful_) && !changed) break;
     settled = !changed;
   }
   return evaluation;

@@ -38,6 +38,9 @@ class WeightedRounds {
   /// Rounds of truncated least squares proper (weight 1 where s <= c2, else 0) until no
   /// edge changes sides, from the weights as they are.
   Evaluation settle(State& state);
+  /// From now on, rough rounds have more iterations, and those that settle are exact: where
+  /// the state may be far from the one sought, following the weights closely pays.
+  void setCareful(bool careful) { careful_ = careful; }
   /// From now on, rounds do nothing where a factorisation is predicted to cost more than
   /// so many times what it did in the last round; 0 = no limit.
   void limitCost(double factor);
@@ -56,7 +59,8 @@ class WeightedRounds {
   GraduationTools tools_;
   GraduationReport* report_;
   RobustEdges::Numbers weights_;  ///< in the last round
-  double most_flops_ = 0;         ///< 0 = no limit
+  bool careful_ = false;
+  double most_flops_ = 0;  ///< 0 = no limit
   bool too_costly_ = false;
 };
 
