@@ -50,7 +50,8 @@ void RobustOptions::addTo(CLI::App& command) {
   CLI::Option* gnc = command.add_option(
       "--gnc", gnc_,
       "Find edges that contradict the others and switch them off, by graduated non-convexity: "
-      "tls (truncated least squares) or gm (Geman-McClure)");
+      "tls (truncated least squares) or gm (Geman-McClure). Fast where the edges that are trusted "
+      "determine every vertex");
   gnc->type_name("tls|gm")->check(CLI::IsMember({"tls", "gm"}).description(""))->excludes(kernel);
   command
       .add_option("--gnc-inlier-probability", gnc_probability_,
@@ -70,7 +71,8 @@ void RobustOptions::addTo(CLI::App& command) {
   command
       .add_option("--gnc-noise", gnc_noise_,
                   "fitted: thresholds are lowered where the edges that are kept show less noise "
-                  "than their information matrices say; given: they are not")
+                  "than their information matrices say, to thrice the deviation that they show; "
+                  "given: they are not")
       ->type_name("fitted|given")
       ->check(CLI::IsMember({"fitted", "given"}).description(""))
       ->needs(gnc)

@@ -15,13 +15,12 @@
 namespace graft {
 namespace {
 
-class GraduatedData : public ::testing::TestWithParam<const char*> {
+class GraduatedData : public ::testing::Test {
  protected:
-  LoadedGraph load() {
+  LoadedGraph load(const std::string& path) {
     Diagnostics diagnostics;
-    return loadGraph(testing::dataPath(path()), engine_.registry(), {}, diagnostics);
+    return loadGraph(testing::dataPath(path), engine_.registry(), {}, diagnostics);
   }
-  static std::string path() { return "pose_graphs/" + std::string(GetParam()) + ".g2o"; }
 
   /// Adds false closures until `share` of all closures are false: between any two vertices,
   /// with measurements spread as far as the file's longest; line = -1.
@@ -75,14 +74,18 @@ class GraduatedData : public ::testing::TestWithParam<const char*> {
   Engine engine_;
 };
 
-TEST_P(GraduatedData, FindsTheOptimumOfTheFileWithoutFalseClosures) {
-  GRAFT_REQUIRE_DATA(path());
+class GraduatedSmallData : public GraduatedData,
+                           public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(GraduatedSmallData, FindsTheOptimumOfTheFileWithoutFalseClosures) {
+  const std::string path = "pose_graphs/" + std::string(GetParam()) + ".g2o";
+  GRAFT_REQUIRE_DATA(path);
   SolveOptions exact;
   exact.function_tolerance = 1e-14;
-  LoadedGraph clean = load();
+  LoadedGraph clean = load(path);
   optimize(clean.graph, clean.values, engine_.registry(), exact);
   for (const std::uint64_t seed : {1, 2}) {
-    LoadedGraph loaded = load();
+    LoadedGraph loaded = load(path);
     const std::size_t false_count = addFalse(loaded.graph, 0.3, seed);
     SolveOptions options = exact;
     options.graduation.kind = RobustEstimation::kTruncatedLeastSquares;
@@ -97,8 +100,54 @@ TEST_P(GraduatedData, FindsTheOptimumOfTheFileWithoutFalseClosures) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, GraduatedData, ::testing::Values("smallGrid3D", "MIT", "CSAIL", "intel"),
+INSTANTIATE_TEST_SUITE_P(, GraduatedSmallData,
+                         ::testing::Values("smallGrid3D", "MIT", "CSAIL", "intel"),
                          [](const auto& info) { return std::string(info.param); });
+
+struct LargeCase {
+  const char* name;
+  std::uint64_t seed;
+};
+
+class GraduatedLargeData : public GraduatedData, public ::testing::WithParamInterface<LargeCase> {};
+
+/// Among hundreds of false closures one may be true enough: then the cost is lower with it.
+TEST_P(GraduatedLargeData, CostsNoMoreThanTheFileWithoutFalseClosures) {
+  const std::string path = "pose_graphs/" + std::string(GetParam().name) + ".g2o";
+  GRAFT_REQUIRE_DATA(path);
+  LoadedGraph clean = load(path);
+  const double clean_chi2 = optimize(clean.graph, clean.values, engine_.registry(), {}).chi2_final;
+  LoadedGraph loaded = load(path);
+  const std::size_t false_count = addFalse(loaded.graph, 0.3, GetParam().seed);
+  SolveOptions options;
+  options.graduation.kind = RobustEstimation::kTruncatedLeastSquares;
+  const Summary summary = optimize(loaded.graph, loaded.values, engine_.registry(), options);
+  ASSERT_EQ(summary.status, Status::kConverged);
+  ASSERT_FALSE(summary.graduation.off.empty());
+  // All information matrices have full rank, so that thresholds are the same.
+  const double threshold = summary.graduation.off.front().threshold;
+  std::size_t false_off = 0;
+  double cost = summary.chi2_final;
+  for (const SwitchedOff& off : summary.graduation.off) {
+    EXPECT_GT(off.square, off.threshold);
+    EXPECT_EQ(off.threshold, threshold);
+    cost += off.threshold;
+    false_off += off.line == -1 ? 1 : 0;
+  }
+  EXPECT_LE(cost, (clean_chi2 + double(false_count) * threshold) * (1 + 1e-9));
+  EXPECT_LE(false_count - false_off, 1U);
+  if (false_off == false_count && summary.graduation.off.size() == false_count) {
+    EXPECT_LT(difference(loaded.values, clean.values), 1e-3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, GraduatedLargeData,
+                         ::testing::Values(LargeCase{"M3500", 1}, LargeCase{"M3500", 2},
+                                           LargeCase{"M3500", 3}, LargeCase{"sphere2500", 1}),
+                         [](const auto& info) {
+                           return info.param.name + std::string("_") +
+                                  std::to_string(info.param.seed);
+                         });
 
 }  // namespace
 }  // namespace graft

@@ -65,19 +65,16 @@ Pose wildPose(const Pose&, std::mt19937_64& random) {
 template <class P>
 class World {
  public:
-  World(const std::vector<P>& truth, const SimulatedWorld& world, double share, std::uint64_t seed)
+  /// `clusters`: runs of kRun false closures each that agree on one wrong place.
+  World(const std::vector<P>& truth, const SimulatedWorld& world, double share, std::uint64_t seed,
+        int clusters = 0)
       : truth_(truth) {
     NormalDeviates deviates(seed);
     std::mt19937_64 random(seed + 1000);
     std::size_t closures = 0;
     estimates_.push_back(truth[0]);
     for (const auto& [a, b] : world.edges) {
-      Vec<double, P::kTangentDim> noise;
-      for (int k = 0; k < P::kTangentDim; ++k) {
-        noise[k] = deviates.next() * (k < kTranslations ? kSigmaT : kSigmaR);
-      }
-      P z = (truth[std::size_t(a)].inverse() * truth[std::size_t(b)]).plus(noise);
-      z.renormalize();
+      const P z = noisy(truth[std::size_t(a)].inverse() * truth[std::size_t(b)], deviates);
       if (b == a + 1) {
         estimates_.push_back(estimates_.back() * z);
       } else {
@@ -95,6 +92,7 @@ class World {
       edges_.push_back({a, b, numbersOf(wildPose(P(), random)), true});
       ++i;
     }
+    for (int i = 0; i < clusters; ++i) addCluster(random, deviates);
     std::shuffle(edges_.begin(), edges_.end(), random);
   }
 
@@ -160,6 +158,37 @@ class World {
 
  private:
   static constexpr int kTranslations = P::kTangentDim == 6 ? 3 : 2;
+  static constexpr std::int64_t kRun = 10;
+
+  static P noisy(const P& exact, NormalDeviates& deviates) {
+    Vec<double, P::kTangentDim> noise;
+    for (int k = 0; k < P::kTangentDim; ++k) {
+      noise[k] = deviates.next() * (k < kTranslations ? kSigmaT : kSigmaR);
+    }
+    P z = exact.plus(noise);
+    z.renormalize();
+    return z;
+  }
+  /// What would be measured if the run that begins at one pose lay beside that at another.
+  void addCluster(std::mt19937_64& random, NormalDeviates& deviates) {
+    std::uniform_int_distribution<std::int64_t> any(0, std::int64_t(truth_.size()) - kRun);
+    std::int64_t a = 0;
+    std::int64_t b = 0;
+    while (std::abs(a - b) < 3 * kRun) {
+      a = any(random);
+      b = any(random);
+    }
+    const P wrong = wildPose(P(), random);
+    for (std::int64_t i = 0; i < kRun; ++i) {
+      const auto seen = [&](std::int64_t from) {
+        return truth_[std::size_t(from)].inverse() * truth_[std::size_t(from + i)];
+      };
+      const P z = noisy(seen(a).inverse() * wrong * seen(b), deviates);
+      edges_.push_back({a + i, b + i, numbersOf(z), true});
+    }
+    false_closures_ += std::size_t(kRun);
+  }
+
   std::vector<P> truth_;
   std::vector<P> estimates_;
   std::vector<Measured> edges_;
@@ -167,14 +196,14 @@ class World {
   std::size_t false_closures_ = 0;
 };
 
-World<Pose2> planeWorld(double share, std::uint64_t seed) {
+World<Pose2> planeWorld(double share, std::uint64_t seed, int clusters = 0) {
   NormalDeviates random(seed);
   const SimulatedWorld world = manhattanWorld(300, random);
-  return World<Pose2>(world.plane, world, share, seed);
+  return World<Pose2>(world.plane, world, share, seed, clusters);
 }
-World<Pose> spaceWorld(double share, std::uint64_t seed) {
+World<Pose> spaceWorld(double share, std::uint64_t seed, int clusters = 0) {
   const SimulatedWorld world = sphereWorld(11);
-  return World<Pose>(world.space, world, share, seed);
+  return World<Pose>(world.space, world, share, seed, clusters);
 }
 
 SolveOptions graduatedOptions(RobustEstimation kind, double probability = 0.99) {
@@ -244,8 +273,22 @@ TEST_P(GraduatedTest, LosesFewTrueClosures) {
 }
 
 TEST_P(GraduatedTest, LeavesACleanGraphAlone) {
-  const World<Pose> world = spaceWorld(0, 7);
-  check(world, 0.999999);
+  check(spaceWorld(0, 7), 0.999999);
+  check(planeWorld(0, 7), 0.999999);
+}
+
+TEST_P(GraduatedTest, SwitchesNoMoreOffInACleanGraphThanItsLevelSays) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    check(planeWorld(0, seed), 0.99);
+    check(spaceWorld(0, seed), 0.99);
+  }
+}
+
+TEST_P(GraduatedTest, IsNotMisledByFalseClosuresThatAgreeOnAWrongPlace) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    check(planeWorld(0, seed, 2), 0.999999);
+    check(spaceWorld(0.1, seed, 3), 0.999999);
+  }
 }
 
 TEST_P(GraduatedTest, GivesTheSameBitsForAnyThreadsAndOrder) {
@@ -364,6 +407,27 @@ TEST_F(GraduationTrust, StopsWhenAsked) {
   options.interrupt = &interrupt;
   EXPECT_EQ(optimize(graph_.graph(), graph_.values(), engine_.registry(), options).status,
             Status::kInterrupted);
+}
+
+/// Where nothing contradicts, what is left is rounding, which is not normal.
+TEST(GraduationNoise, RoundingIsNotTakenForNoise) {
+  Engine engine;
+  FactorGraph g(engine.registry());
+  constexpr int kCount = 40;
+  for (int i = 0; i < kCount; ++i) g.addVertex("VERTEX_SE2", i, {i * 0.1, i * 0.3, 0});
+  for (int i = 0; i < kCount; ++i) {
+    for (const int step : {1, 2, 3, 7}) {
+      if (i + step >= kCount) continue;
+      g.addEdge("EDGE_SE2", {i, i + step}, {step * 0.1, step * 0.3, 0}, {100, 0, 0, 100, 0, 100});
+    }
+  }
+  for (const RobustEstimation kind :
+       {RobustEstimation::kTruncatedLeastSquares, RobustEstimation::kGemanMcClure}) {
+    const Summary summary =
+        optimize(g.graph(), g.values(), engine.registry(), graduatedOptions(kind));
+    EXPECT_TRUE(summary.graduation.off.empty());
+    EXPECT_LT(summary.chi2_final, 1e-15);
+  }
 }
 
 /// Where information claims ten times the deviation that there is, a false closure by a
