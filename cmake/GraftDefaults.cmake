@@ -22,6 +22,10 @@ set(GRAFT_PLUGIN_INSTALL_DIR "${CMAKE_INSTALL_LIBDIR}/graft/plugins")
 
 option(GRAFT_WERROR "Treat warnings as errors" OFF)
 set(GRAFT_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+option(GRAFT_FUZZ "Instrument everything for libFuzzer and build tests/fuzz (clang)" OFF)
+if(GRAFT_FUZZ)
+  set(GRAFT_SANITIZE "fuzzer-no-link,address,undefined")
+endif()
 
 find_program(GRAFT_CCACHE ccache)
 if(GRAFT_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)

@@ -23,7 +23,7 @@ Program::Program(const std::string& name, const std::string& description)
     while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
     std::string command = app->get_name();
     for (const CLI::App* up = app->get_parent(); up != nullptr; up = up->get_parent()) {
-      command = up->get_name() + " " + command;
+      command.insert(0, up->get_name() + " ");
     }
     return "error: " + std::string(e.what()) + "\nRun '" + command + " --help' for usage.\n";
   });

@@ -110,8 +110,14 @@ std::string readFile(const std::string& path, std::size_t limit) {
   // A device may have no end (/dev/zero); files and pipes have one.
   if (S_ISCHR(status.st_mode)) limit = std::min(limit, kDeviceLimit);
   std::string content;
-  if (S_ISREG(status.st_mode)) content.reserve(static_cast<std::size_t>(status.st_size) + 1);
-  std::string buffer(std::size_t{1} << 20, '\0');
+  std::size_t piece = std::size_t{1} << 20;
+  if (S_ISREG(status.st_mode)) {
+    // Most files are small; one byte more than there is tells the end.
+    const std::size_t expected = static_cast<std::size_t>(status.st_size) + 1;
+    content.reserve(expected);
+    piece = std::clamp<std::size_t>(expected, 4096, piece);
+  }
+  std::string buffer(piece, '\0');
   for (;;) {
     const ssize_t count = ::read(file.get(), buffer.data(), buffer.size());
     if (count < 0) {

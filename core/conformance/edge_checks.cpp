@@ -25,6 +25,7 @@ std::vector<Numbers> verticesOf(const EdgeSamples& samples, std::int64_t e) {
 /// The error of edge e with other vertices.
 Numbers errorAt(const EdgeSamples& samples, std::int64_t e, const std::vector<Numbers>& vertices) {
   std::vector<const double*> pointers;
+  pointers.reserve(vertices.size());
   for (const Numbers& x : vertices) pointers.push_back(x.data());
   const Batch batch(samples, 1, pointers, samples.measurements.data() + e * samples.measurement_dim,
                     samples.associations.data() + e * samples.type->association_dim);
@@ -112,6 +113,7 @@ void checkMeasurement(const EdgeSamples& samples) {
 std::vector<bool> errorsThatDepend(const EdgeSamples& samples, std::int64_t e,
                                    const std::vector<Numbers>& vertices, std::size_t slot) {
   std::vector<const double*> pointers;
+  pointers.reserve(vertices.size());
   for (const Numbers& x : vertices) pointers.push_back(x.data());
   const Batch batch(samples, 1, pointers, samples.measurements.data() + e * samples.measurement_dim,
                     samples.associations.data() + e * samples.type->association_dim);
@@ -140,6 +142,7 @@ void checkPropagate(const EdgeSamples& samples) {
     const std::vector<Numbers> vertices = verticesOf(samples, e);
     for (std::size_t to = 0; to < vertices.size(); ++to) {
       std::vector<const double*> pointers;
+      pointers.reserve(vertices.size());
       for (const Numbers& x : vertices) pointers.push_back(x.data());
       const Batch batch(samples, 1, pointers,
                         samples.measurements.data() + e * samples.measurement_dim,

@@ -65,6 +65,7 @@ void FactorGraph::addResource(const std::string& tag, std::int64_t id,
   const graft_resource_type& type =
       require(registry_.resource(tag), registry_, {Kind::kResource, tag});
   std::vector<const char*> texts;
+  texts.reserve(tokens.size());
   for (const std::string& token : tokens) texts.push_back(token.c_str());
   graft_message message = {};
   const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {

@@ -307,7 +307,7 @@ void GraphBuilder::resolveEdge(const PendingEdge& edge) {
   int dim = type.error_dim;
   if (dim == GRAFT_DYNAMIC) {
     // Found again from the number of entries; addEdge checks it against shape().
-    dim = int((std::sqrt(8.0 * edge.information_count + 1.0) - 1.0) / 2.0 + 0.5);
+    dim = int(std::lround((std::sqrt(8.0 * edge.information_count + 1.0) - 1.0) / 2.0));
   }
   if (triangleSize(dim) == edge.information_count && dim > 0 &&
       !checkInformation(edge, dim, spec.information.data())) {

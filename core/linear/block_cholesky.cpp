@@ -334,8 +334,8 @@ void BlockCholesky::solve(const double* b, double* x) const {
     for (int row = 0; row < s.rows; row += kStrip, strip += stride) {
       kernels_->multiply(s.columns, strip, own, sums);
       const int width = std::min(kStrip, s.rows - row);
-      for (int r = 0; r < width; ++r)
-        y[std::size_t(s.row_scalars[std::size_t(row + r)])] -= sums[r];
+      const std::int32_t* scalars = s.row_scalars.data() + row;
+      for (int r = 0; r < width; ++r) y[std::size_t(scalars[r])] -= sums[r];
     }
   }
   for (auto it = symbolic_.supernodes.rbegin(); it != symbolic_.supernodes.rend(); ++it) {
@@ -348,7 +348,8 @@ void BlockCholesky::solve(const double* b, double* x) const {
     for (int row = 0; row < s.rows; row += kStrip, strip += stride) {
       const int width = std::min(kStrip, s.rows - row);
       std::fill(sums, sums + kStrip, 0.0);
-      for (int r = 0; r < width; ++r) sums[r] = y[std::size_t(s.row_scalars[std::size_t(row + r)])];
+      const std::int32_t* scalars = s.row_scalars.data() + row;
+      for (int r = 0; r < width; ++r) sums[r] = y[std::size_t(scalars[r])];
       kernels_->subtractTransposed(s.columns, strip, sums, own);
     }
     for (int index = s.columnStrips() - 1; index >= 0; --index) {

@@ -18,7 +18,7 @@ struct Marker {
 };
 const Marker marker;
 
-constexpr graft_abi_stamp stampWithDefect() {
+[[maybe_unused]] constexpr graft_abi_stamp stampWithDefect() {
   graft_abi_stamp stamp = graft::makeStamp(GRAFT_BAD_NAME, "1", "BSD-3-Clause", GRAFT_BAD_REQUIRES);
 #if defined(GRAFT_BAD_MAJOR)
   stamp.abi_major = 99;
