@@ -18,8 +18,13 @@ constexpr double kQuaternionError = 2.0;
 // Unknown tags are remembered, too, but a hostile file has any number of them.
 constexpr std::size_t kTagLimit = 4096;
 
-/// Index of the first of four successive fields that are a quaternion.
-int findQuaternion(const char* fields) {
+std::string plural(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + ' ' + (count == 1 ? one : many);
+}
+
+}  // namespace
+
+int quaternionField(const char* fields) {
   if (fields == nullptr) return -1;
   LineTokens tokens(fields);
   int index = 0;
@@ -28,12 +33,6 @@ int findQuaternion(const char* fields) {
   }
   return -1;
 }
-
-std::string plural(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + ' ' + (count == 1 ? one : many);
-}
-
-}  // namespace
 
 GraphBuilder::GraphBuilder(std::string path, Registry& registry, const LoadOptions& options,
                            Diagnostics& diagnostics)
@@ -66,8 +65,8 @@ const TagType& GraphBuilder::tag(std::string_view name) {
     if (type.vertex == nullptr) type.edge = registry_.edge(key);
     if (type.vertex == nullptr && type.edge == nullptr) type.resource = registry_.resource(key);
     if (!type.known() && tags_.size() >= kTagLimit) return unknown_;
-    if (type.vertex != nullptr) type.quaternion = findQuaternion(type.vertex->fields);
-    if (type.edge != nullptr) type.quaternion = findQuaternion(type.edge->fields);
+    if (type.vertex != nullptr) type.quaternion = quaternionField(type.vertex->fields);
+    if (type.edge != nullptr) type.quaternion = quaternionField(type.edge->fields);
     position = tags_.emplace(key, type).first;
   }
   last_name_ = std::move(key);

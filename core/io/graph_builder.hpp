@@ -19,6 +19,9 @@ struct TagType {
   bool known() const { return vertex != nullptr || edge != nullptr || resource != nullptr; }
 };
 
+/// Where "qx qy qz qw" stands among the numbers that `fields` names; -1 = nowhere.
+int quaternionField(const char* fields);
+
 /// The host's side of loading: collects what a reader finds, in any order, and
 /// resolves it at the end (ids, slots, resources). Defects go to the
 /// diagnostics with their lines.

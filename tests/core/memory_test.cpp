@@ -105,6 +105,38 @@ TEST(Memory, PredictsTheFactor) {
   EXPECT_FALSE(with_tasks);
 }
 
+/// What analysing blocks of 65536 rows, on the diagonal only, says.
+std::string refusalOf(std::int32_t blocks) {
+  const std::int32_t dim = 65536;
+  const std::vector<std::int32_t> dims(std::size_t(blocks), dim);
+  std::vector<std::int64_t> columns = {0};
+  std::vector<std::int64_t> offsets;
+  std::vector<std::int32_t> rows;
+  for (std::int32_t j = 0; j < blocks; ++j) {
+    rows.push_back(j);
+    offsets.push_back(std::int64_t(j) * dim * dim);
+    columns.push_back(j + 1);
+  }
+  const graft_block_pattern pattern = {sizeof pattern, blocks,      dims.data(),
+                                       columns.data(), rows.data(), offsets.data()};
+  try {
+    BlockCholesky().analyze(pattern);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kNoResult);
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Memory, SizesBeyondAnyIndexAreRefusedBeforeMemoryIsTaken) {
+  // 32767 * 65536 * 65537 / 2 numbers of 8 bytes.
+  EXPECT_EQ(refusalOf(32767).find("the factor of the normal equations needs 563 TB, "), 0u)
+      << refusalOf(32767);
+  EXPECT_EQ(refusalOf(32769),
+            "the normal equations have 2147549184 unknowns in 32769 blocks: too many for indices "
+            "of 32 bits");
+}
+
 /// A cube of poses: little data, a large factor.
 std::string cube(int side) {
   std::string text;

@@ -117,6 +117,32 @@ TEST_F(Cholmod, RefusesWhatIsNotFinite) {
   EXPECT_EQ(type->factorize(self, problem.values.data(), nullptr, &failed, &message), GRAFT_FAILED);
 }
 
+/// Blocks on the diagonal only, as large as a type may make them; no numbers stand behind.
+struct HugePattern {
+  HugePattern(std::int32_t blocks, std::int32_t dim) : dims(std::size_t(blocks), dim) {
+    for (std::int32_t j = 0; j <= blocks; ++j) {
+      columns.push_back(j);
+      if (j < blocks) rows.push_back(j);
+      if (j < blocks) offsets.push_back(std::int64_t(j) * dim * dim);
+    }
+    pattern = {sizeof pattern, blocks, dims.data(), columns.data(), rows.data(), offsets.data()};
+  }
+  std::vector<std::int32_t> dims;
+  std::vector<std::int64_t> columns;
+  std::vector<std::int32_t> rows;
+  std::vector<std::int64_t> offsets;
+  graft_block_pattern pattern;
+};
+
+TEST_F(Cholmod, MatricesBeyondItsIndicesAreRefusedBeforeMemoryIsTaken) {
+  // Each of these has more entries than an int counts, the second more rows as well.
+  for (const std::int32_t blocks : {2, 32769}) {
+    const HugePattern huge(blocks, 65536);
+    EXPECT_EQ(type->analyze(self, &huge.pattern, &message), GRAFT_OUT_OF_MEMORY);
+    EXPECT_STREQ(message.text, "the matrix is too large for 32-bit indices");
+  }
+}
+
 TEST_F(Cholmod, StatesItsLicence) {
   EXPECT_NE(engine.registry().providerOf({Kind::kSolver, "cholmod"})->license.find("GPL"),
             std::string::npos);
