@@ -182,19 +182,16 @@ void GraphBuilder::resolveResources() {
             "resource " + std::to_string(pending.id) + " is already defined");
       continue;
     }
-    std::vector<const char*> tokens;
-    for (const std::string& token : pending.tokens) tokens.push_back(token.c_str());
     graft_message message = {};
-    const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
-      return type.load(directory.c_str(), std::int32_t(tokens.size()), tokens.data(), &message);
-    });
+    const std::string place = path_ + ":" + std::to_string(pending.line);
+    const WorkSubject subject(pending.line > 0 ? place.c_str() : path_.c_str());
+    std::shared_ptr<const void> data = loadResource(type, directory, pending.tokens, message);
     if (data == nullptr) {
       definitionLost();
       error(pending.line, 0, name + ": " + message.text);
       continue;
     }
-    loaded_.graph.addResource(type, pending.id, std::move(pending.tokens),
-                              std::shared_ptr<const void>(data, type.destroy));
+    loaded_.graph.addResource(type, pending.id, std::move(pending.tokens), std::move(data));
     ++loaded_.counts.resources;
   }
 }

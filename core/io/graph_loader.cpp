@@ -39,6 +39,7 @@ class Sink {
   template <class Body>
   static int guard(void* host, Body&& body) {
     auto& self = *static_cast<Sink*>(host);
+    PluginCall::signOfLife();
     if (self.caught_) return GRAFT_FAILED;
     try {
       body(self.builder_);
@@ -141,6 +142,7 @@ LoadedGraph loadGraph(const std::string& path, Registry& registry, const LoadOpt
   if (path != "-" && std::filesystem::is_directory(status)) {
     throw Error(ExitCode::kInput, {path, 0, 0}, "is a directory, expected a file");
   }
+  const WorkSubject subject(path.c_str());
   const graft_loader_type* loader =
       std::filesystem::is_regular_file(status) ? findLoader(path, registry) : nullptr;
   GraphBuilder builder(path, registry, options, diagnostics);
