@@ -2,8 +2,8 @@
 #include "core/solve/covariance.hpp"
 
 #include "core/base/error.hpp"
+#include "core/linear/selected_inverse.hpp"
 #include "core/solve/normal_equations.hpp"
-#include "core/solve/selected_inverse.hpp"
 
 namespace graft {
 

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "core/solve/linear_solver.hpp"
+#include "core/linear/linear_solver.hpp"
 #include "core/solve/linearizer.hpp"
 #include "core/solve/solve_context.hpp"
 #include "core/solve/summary.hpp"

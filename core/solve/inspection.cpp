@@ -11,7 +11,7 @@
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/error.hpp"
 #include "core/base/text.hpp"
-#include "core/solve/block_cholesky.hpp"
+#include "core/linear/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/solve/normal_equations.hpp"
 #include "core/types/plugin_call.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/solve/linear_solver.hpp"
+#include "core/linear/linear_solver.hpp"
 #include "core/solve/normal_equations.hpp"
 #include "core/solve/summary.hpp"
 

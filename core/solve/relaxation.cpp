@@ -6,7 +6,7 @@
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/error.hpp"
-#include "core/solve/block_cholesky.hpp"
+#include "core/linear/block_cholesky.hpp"
 #include "core/solve/edge_batch.hpp"
 #include "core/types/plugin_call.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/solve/linear_solver.hpp"
+#include "core/linear/linear_solver.hpp"
 #include "core/solve/normal_equations.hpp"
 #include "core/solve/pattern_memory.hpp"
 

@@ -8,9 +8,9 @@
 #include <fstream>
 
 #include "core/base/error.hpp"
-#include "core/solve/block_cholesky.hpp"
+#include "core/linear/block_cholesky.hpp"
 #include "core/types/stamp.hpp"
-#include "tests/core/solve/block_matrix.hpp"
+#include "tests/core/linear/block_matrix.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {

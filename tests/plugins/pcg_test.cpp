@@ -8,7 +8,7 @@
 #include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
-#include "tests/core/solve/block_matrix.hpp"
+#include "tests/core/linear/block_matrix.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {

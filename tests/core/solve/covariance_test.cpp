@@ -11,10 +11,10 @@
 #include "core/geometry/se2.hpp"
 #include "core/graph/factor_graph.hpp"
 #include "core/io/graph_loader.hpp"
+#include "core/linear/selected_inverse.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/linearizer.hpp"
 #include "core/solve/normal_equations.hpp"
-#include "core/solve/selected_inverse.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {

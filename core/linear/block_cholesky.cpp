@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/block_cholesky.hpp"
+#include "core/linear/block_cholesky.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/solve/ordering.hpp"
+#include "core/linear/ordering.hpp"
 
 namespace graft {
 

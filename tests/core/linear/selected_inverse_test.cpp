@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/selected_inverse.hpp"
+#include "core/linear/selected_inverse.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
-#include "tests/core/solve/block_matrix.hpp"
+#include "tests/core/linear/block_matrix.hpp"
 
 namespace graft {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/base/parallel.hpp"
-#include "core/solve/front_kernels.hpp"
-#include "core/solve/symbolic.hpp"
+#include "core/linear/front_kernels.hpp"
+#include "core/linear/symbolic.hpp"
 
 namespace graft {
 

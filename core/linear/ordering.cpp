@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/ordering.hpp"
+#include "core/linear/ordering.hpp"
 
 #include <amd.h>
 #include <metis.h>
@@ -10,7 +10,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/memory.hpp"
-#include "core/solve/schur_pattern.hpp"
+#include "core/linear/schur_pattern.hpp"
 
 namespace graft {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/linear_solver.hpp"
+#include "core/linear/linear_solver.hpp"
 
 #include "core/base/error.hpp"
-#include "core/solve/block_cholesky.hpp"
+#include "core/linear/block_cholesky.hpp"
 #include "core/types/plugin_call.hpp"
 
 namespace graft {

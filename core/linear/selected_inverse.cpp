@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/selected_inverse.hpp"
+#include "core/linear/selected_inverse.hpp"
 
 #include <algorithm>
 #include <atomic>

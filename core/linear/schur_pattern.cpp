@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/schur_pattern.hpp"
+#include "core/linear/schur_pattern.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/symbolic.hpp"
+#include "core/linear/symbolic.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/solve/block_cholesky.hpp"
-#include "tests/core/solve/block_matrix.hpp"
+#include "core/linear/block_cholesky.hpp"
+#include "tests/core/linear/block_matrix.hpp"
 
 namespace graft {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/solve/front_kernels.hpp"
+#include "core/linear/front_kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/solve/symbolic.hpp"
+#include "core/linear/symbolic.hpp"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

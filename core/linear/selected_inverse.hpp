@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/parallel.hpp"
-#include "core/solve/block_cholesky.hpp"
+#include "core/linear/block_cholesky.hpp"
 
 namespace graft {
 

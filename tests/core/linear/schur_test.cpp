@@ -4,10 +4,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "core/solve/block_cholesky.hpp"
-#include "core/solve/schur_pattern.hpp"
-#include "core/solve/selected_inverse.hpp"
-#include "tests/core/solve/block_matrix.hpp"
+#include "core/linear/block_cholesky.hpp"
+#include "core/linear/schur_pattern.hpp"
+#include "core/linear/selected_inverse.hpp"
+#include "tests/core/linear/block_matrix.hpp"
 
 namespace graft {
 namespace {

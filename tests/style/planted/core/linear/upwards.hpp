@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Planted: linear algebra knows no problem.
+#include "core/solve/problem.hpp"
