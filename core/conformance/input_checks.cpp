@@ -41,6 +41,8 @@ struct CountingSink {
                        const std::int64_t*, std::int32_t, const double*, std::int32_t,
                        const double*, std::int64_t) { return count(host); };
     sink.fix_vertex = [](void* host, std::int64_t, std::int64_t) { return count(host); };
+    sink.set_kernel = [](void* host, const char*, double, std::int64_t) { return count(host); };
+    sink.set_level = [](void* host, std::int32_t, std::int64_t) { return count(host); };
     sink.report = [](void* host, std::int32_t severity, const char*, std::int64_t, std::int64_t,
                      const char*) {
       if (severity >= 2) ++static_cast<CountingSink*>(host)->errors;

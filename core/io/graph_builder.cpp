@@ -142,8 +142,17 @@ void GraphBuilder::addEdge(const TagType& type, const EdgeNumbers& n, std::int64
   numbers_.insert(numbers_.end(), n.information, n.information + n.information_count);
 }
 
+std::string GraphBuilder::nameOf(const PendingEdge& edge) {
+  return edge.line > 0 ? "the edge of line " + std::to_string(edge.line)
+                       : std::string("the last ") + edge.type->edge->tag;
+}
+
 void GraphBuilder::setKernel(std::string_view name, double width, std::int64_t line,
                              std::int64_t column) {
+  if (!(width > 0) || !std::isfinite(width)) {
+    return error(line, 0,
+                 "the width of a robust kernel must be positive, got " + formatDouble(width));
+  }
   const std::string key(name);
   const graft_kernel_type* kernel = registry_.kernel(key);
   if (kernel == nullptr) {
@@ -152,17 +161,18 @@ void GraphBuilder::setKernel(std::string_view name, double width, std::int64_t l
   }
   PendingEdge& edge = edges_.back();
   if (edge.kernel >= 0) {
-    return error(line, 0,
-                 "the edge of line " + std::to_string(edge.line) + " has a robust kernel already");
+    return error(line, 0, nameOf(edge) + " has a robust kernel already");
   }
   edge.kernel = loaded_.graph.addKernel({kernel, width});
 }
 
 void GraphBuilder::setLevel(std::int32_t level, std::int64_t line) {
   PendingEdge& edge = edges_.back();
-  if (edge.level >= 0) {
-    return error(line, 0, "the edge of line " + std::to_string(edge.line) + " has a level already");
+  if (level < 0) {
+    return error(line, 0,
+                 "expected a level from 0 to 2147483647, got '" + std::to_string(level) + "'");
   }
+  if (edge.level >= 0) return error(line, 0, nameOf(edge) + " has a level already");
   edge.level = level;
 }
 

@@ -53,7 +53,7 @@ class GraphBuilder {
   void addEdge(const TagType& type, const EdgeNumbers& numbers, std::int64_t line);
 
   /// The robust kernel, or level, of the edge that was added last. Reports an unknown
-  /// name, and an edge that has one already.
+  /// name, a width that is not positive, a negative level, and an edge that has one already.
   void setKernel(std::string_view name, double width, std::int64_t line, std::int64_t column);
   void setLevel(std::int32_t level, std::int64_t line);
 
@@ -100,6 +100,7 @@ class GraphBuilder {
   std::int64_t column(std::int64_t line, int token) const;
   bool checkQuaternion(const TagType& type, const double* numbers, std::int64_t line);
   bool checkInformation(const PendingEdge& edge, int error_dim, double* upper);
+  static std::string nameOf(const PendingEdge& edge);
   void resolveResources();
   void makeVertices();
   void resolveEdge(const PendingEdge& edge);

@@ -55,9 +55,11 @@ void ElfFile::open() {
   fd_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0) {
     // That is not the file's fault, and to go on without it would blame others.
-    const bool full = errno == EMFILE || errno == ENFILE;
-    throw Error(full ? ExitCode::kOutput : ExitCode::kPlugin, {path_, 0, 0},
-                std::string("cannot be opened: ") + std::strerror(errno));
+    if (errno == EMFILE || errno == ENFILE) {
+      throw Error(ExitCode::kOutput, {path_, 0, 0},
+                  std::string("cannot be opened: ") + std::strerror(errno));
+    }
+    reject(std::string("it cannot be opened: ") + std::strerror(errno));
   }
   struct stat status {};
   if (::fstat(fd_, &status) != 0) reject(std::strerror(errno));

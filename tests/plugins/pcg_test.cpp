@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
-#include "tests/core/linear/block_matrix.hpp"
+#include "tests/support/block_matrix.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -103,8 +103,7 @@ TEST_F(Pcg, OptimizesPoseGraphs) {
     SCOPED_TRACE(file);
     double reference = 0;
     for (const char* solver : {"block", "pcg"}) {
-      Diagnostics diagnostics;
-      LoadedGraph loaded = loadGraph(testing::dataPath(file), engine.registry(), {}, diagnostics);
+      LoadedGraph loaded = testing::loadData(file, engine.registry());
       SolveOptions options;
       options.linear_solver = solver;
       const Summary summary = optimize(loaded.graph, loaded.values, engine.registry(), options);

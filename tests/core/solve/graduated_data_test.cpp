@@ -7,9 +7,9 @@
 #include <random>
 #include <set>
 
-#include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -17,10 +17,7 @@ namespace {
 
 class GraduatedData : public ::testing::TestWithParam<const char*> {
  protected:
-  LoadedGraph load() {
-    Diagnostics diagnostics;
-    return loadGraph(testing::dataPath(path()), engine_.registry(), {}, diagnostics);
-  }
+  LoadedGraph load() { return testing::loadData(path(), engine_.registry()); }
   static std::string path() { return "pose_graphs/" + std::string(GetParam()) + ".g2o"; }
 
   /// Adds false closures until `share` of all closures are false: between any two vertices,

@@ -169,6 +169,17 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+TEST(SolverOfAPlugin, WhoseFactorDoesNotFitIsNotBegun) {
+  const Optimized run("solver_bytes", kSolver);
+  EXPECT_EQ(run.result.exit_code, 4) << run.result.err;
+  EXPECT_TRUE(std::regex_search(
+      run.result.err,
+      std::regex("no usable result: the factor of the normal equations needs 1000 PB, .* are free; "
+                 "an iterative linear solver, such as pcg, makes no factor")))
+      << run.result.err;
+  EXPECT_EQ(run.output(), "earlier result");
+}
+
 /// Many batches of edges, each of which takes a while with "sleeps_in_evaluate".
 std::string manyEdges() {
   std::string text = kVertices;
