@@ -39,6 +39,7 @@ set(public_headers
   core/solve/options.hpp
   core/solve/summary.hpp
   core/types/abi.h
+  core/types/batch.hpp
   core/types/dynamic_edge.hpp
   core/types/edge.hpp
   core/types/one_to_many_edge.hpp

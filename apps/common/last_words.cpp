@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/common/last_words.hpp"
 
+#include <pthread.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -12,10 +13,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
-#include <map>
 #include <mutex>
 #include <new>
-#include <thread>
 
 #include "core/base/error.hpp"
 #include "core/types/plugin_call.hpp"
@@ -66,7 +65,15 @@ Line& operator<<(Line& line, const PluginActivity& activity) {
   return line << "error: " << activity.tag << ": " << callbackName(activity.callback) << " ";
 }
 
-constexpr const char* kOutputs = "; outputs that were not complete are as they were before";
+/// The end of each of these lines.
+struct Outputs {};
+Line& operator<<(Line& line, Outputs) {
+  line << "; outputs that were not complete are as they were before";
+  const char* input = WorkSubject::now();
+  if (*input != '\0') line << "; input: " << input;
+  return line;
+}
+constexpr Outputs kOutputs;
 
 /// Where a handler stands, in case the stack is what overflowed.
 alignas(16) std::array<char, 1 << 16> main_stack;
@@ -155,39 +162,51 @@ void installLastWords() {
 }
 
 struct Watchdog::Shared {
-  explicit Shared(double limit_) : limit(limit_) {}
+  Shared(double limit_, double patience_) : limit(limit_), patience(patience_) {}
 
   using Clock = std::chrono::steady_clock;
   struct Seen {
     std::uint64_t number = 0;
     Clock::time_point since;
+    bool inside = false;
   };
+
+  static void* run(void* self) {
+    static_cast<Shared*>(self)->watch();
+    return nullptr;
+  }
 
   void watch() {
     const Clock::time_point start = Clock::now();
-    std::map<int, Seen> seen;
     std::unique_lock<std::mutex> lock(mutex);
     while (!wake.wait_for(lock, std::chrono::milliseconds(50), [this] { return stop; })) {
       const Clock::time_point now = Clock::now();
-      std::map<int, Seen> still;
-      for (const PluginActivity& activity : PluginCall::all()) {
-        if (!activity.isShort()) continue;
-        const auto before = seen.find(activity.thread);
-        const bool same = before != seen.end() && before->second.number == activity.number;
-        const Seen one{activity.number, same ? before->second.since : now};
-        still[activity.thread] = one;
-        const double lasts = std::chrono::duration<double>(now - one.since).count();
+      for (int place = 0; place < PluginCall::kPlaces; ++place) {
+        const PluginActivity activity = PluginCall::at(place);
+        Seen& before = seen[std::size_t(place)];
+        const bool inside = activity.tag != nullptr;
+        if (!inside || !before.inside || before.number != activity.number) {
+          before = {activity.number, now, inside};
+        }
+        if (!inside || activity.callback == Callback::kSolver) continue;
+        const double lasts = std::chrono::duration<double>(now - before.since).count();
         const double total = std::chrono::duration<double>(now - start).count();
-        if (total > limit && lasts >= std::max(kPatience, limit)) end(activity, lasts);
+        if (activity.isShort() && limit > 0 && total > limit &&
+            lasts >= std::max(kPatience, limit)) {
+          end(activity, lasts, "the time limit of %g s is over", limit);
+        }
+        if (patience > 0 && lasts >= patience) {
+          end(activity, lasts, "the limit of --plugin-patience is %g s", patience);
+        }
       }
-      seen = std::move(still);
     }
   }
 
-  [[noreturn]] void end(const PluginActivity& activity, double lasts) const {
+  [[noreturn]] static void end(const PluginActivity& activity, double lasts, const char* why,
+                               double seconds) {
     char text[128];
-    std::snprintf(text, sizeof text, "has not returned for %.0f s, the time limit of %g s is over",
-                  lasts, limit);
+    const int size = std::snprintf(text, sizeof text, "has not returned for %.0f s, ", lasts);
+    std::snprintf(text + size, sizeof text - std::size_t(size), why, seconds);
     Line line;
     line << activity << text << kOutputs;
     line.write();
@@ -195,17 +214,25 @@ struct Watchdog::Shared {
   }
 
   double limit;
+  double patience;
+  std::array<Seen, PluginCall::kPlaces> seen;
   std::mutex mutex;
   std::condition_variable wake;
   bool stop = false;
-  std::thread thread;
+  pthread_t thread = {};
 };
 
-Watchdog::Watchdog(double limit) {
-  if (!(limit > 0)) return;
-  shared_ = std::make_unique<Shared>(limit);
-  Shared& shared = *shared_;
-  shared.thread = std::thread([&shared] { shared.watch(); });
+Watchdog::Watchdog(double limit, double patience) {
+  if (!(limit > 0) && !(patience > 0)) return;
+  shared_ = std::make_unique<Shared>(limit, patience);
+  // Not a std::thread: that takes megabytes of address space, and memory may be scarce.
+  pthread_attr_t small;
+  ::pthread_attr_init(&small);
+  ::pthread_attr_setstacksize(&small, 1 << 17);
+  if (::pthread_create(&shared_->thread, &small, &Shared::run, shared_.get()) != 0) {
+    shared_.reset();
+  }
+  ::pthread_attr_destroy(&small);
 }
 
 Watchdog::~Watchdog() {
@@ -215,7 +242,7 @@ Watchdog::~Watchdog() {
     shared_->stop = true;
   }
   shared_->wake.notify_all();
-  shared_->thread.join();
+  ::pthread_join(shared_->thread, nullptr);
 }
 
 }  // namespace graft

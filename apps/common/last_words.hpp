@@ -13,15 +13,18 @@ namespace graft {
 /// exception can report any more ends with exit code 6 (from before main() on).
 void installLastWords();
 
-/// Ends the program, as above, where a function of a plugin never returns: once `limit`
-/// seconds have passed and one call has lasted for kPatience seconds or more (or for as
-/// long as the limit, if that is more). Calls that may take long (loaders, resources,
-/// linear solvers) are left alone. A limit of 0 watches nothing.
+/// Ends the program, as above, where a function of a plugin never returns.
+/// - Once `limit` seconds have passed: a call that handles a few hundred items and has lasted
+///   for kPatience seconds or more (or for as long as the limit, if that is more).
+/// - Any call, those of loaders, resources and initial guesses as well, that shows no sign of
+///   life for `patience` seconds: a loader that calls back to the graph is alive.
+/// Linear solvers are left alone: one call factors a whole system. 0 = not watched. Where the
+/// system has no thread to give, nothing is.
 class Watchdog {
  public:
   static constexpr double kPatience = 5;
 
-  explicit Watchdog(double limit);
+  Watchdog(double limit, double patience);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;

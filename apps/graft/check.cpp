@@ -8,12 +8,18 @@
 #include "apps/graft/engine_options.hpp"
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/text.hpp"
+#include "core/geometry/so3.hpp"
+#include "core/io/graph_builder.hpp"
 #include "core/solve/inspection.hpp"
 #include "core/solve/optimizer.hpp"
 
 namespace graft {
 
 namespace {
+
+/// Mean rotation of measurements, degrees, that few robots turn.
+constexpr double kOddRotation = 120;
+constexpr double kDegrees = 57.29577951308232;
 
 /// Connected components of a graph; vertices are numbered by rising id.
 class Components {
@@ -125,6 +131,24 @@ void printFreeDirections(const Problem& problem, const Values& values) {
   });
 }
 
+/// How far measured rotations turn on average: a file that gives qw first, which no reader can
+/// tell, has half turns where small ones are meant.
+void printRotations(const Graph& graph) {
+  for (const EdgeBlock& block : graph.edgeBlocks()) {
+    const int first = quaternionField(block.type->fields);
+    if (first < 0 || block.size() == 0) continue;
+    double sum = 0;
+    for (std::size_t e = 0; e < block.size(); ++e) {
+      const double* q = &block.measurements[std::size_t(block.measurement_begin[e]) + first];
+      sum += rotationAngle(Eigen::Quaterniond(q[3], q[0], q[1], q[2]));
+    }
+    const double degrees = kDegrees * sum / double(block.size());
+    std::printf(
+        "%8.3g degrees is the mean rotation of %s%s\n", degrees, block.type->tag,
+        degrees > kOddRotation ? " (does the file give qw first? expected qx qy qz qw)" : "");
+  }
+}
+
 /// What needs estimates and derivatives.
 void printAtEstimates(const LoadedGraph& loaded) {
   const Problem problem(loaded.graph, InformationPolicy::kProject);
@@ -174,6 +198,7 @@ ExitCode run(const CheckOptions& options) {
   if (loose > Diagnostics::kShown) {
     std::printf("... and %zu more that are not anchored\n", loose - Diagnostics::kShown);
   }
+  printRotations(graph);
   printAtEstimates(loaded);
   return ExitCode::kSuccess;
 }

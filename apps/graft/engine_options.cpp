@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "apps/common/last_words.hpp"
 #include "apps/common/program.hpp"
 
 namespace graft {
@@ -25,6 +26,13 @@ void EngineOptions::addLoadOptions(CLI::App& command) {
                   "Information matrices with negative eigenvalues: reject the file, or project")
       ->check(CLI::IsMember({"error", "project"}))
       ->capture_default_str();
+  command
+      .add_option("--plugin-patience", patience,
+                  "End where a function of a plugin (a loader, a resource, an initial guess, ...) "
+                  "shows no sign of life for so many seconds, 0 = never; linear solvers are left "
+                  "alone")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 std::unique_ptr<Engine> makeEngine(const EngineOptions& options) {
@@ -42,6 +50,7 @@ LoadedGraph loadAndReport(const std::string& path, Engine& engine, const EngineO
   load.lenient = options.lenient;
   load.project_information = options.information == "project";
   Diagnostics diagnostics;
+  const Watchdog watchdog(0, options.patience);
   LoadedGraph loaded = loadGraph(path, engine.registry(), load, diagnostics);
   printMessages(diagnostics);
   return loaded;

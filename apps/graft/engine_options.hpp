@@ -16,6 +16,7 @@ struct EngineOptions {
   std::vector<std::string> plugins;
   bool lenient = false;
   std::string information = "error";
+  double patience = 600;  ///< s, see Watchdog
 
   void addPluginOption(CLI::App& command);
   void addLoadOptions(CLI::App& command);

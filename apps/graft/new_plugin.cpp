@@ -7,7 +7,7 @@
 
 #include "apps/graft/commands.hpp"
 #include "apps/graft/engine_options.hpp"
-#include "core/base/file.hpp"
+#include "core/base/staged_directory.hpp"
 
 namespace graft {
 

@@ -14,6 +14,7 @@
 #include "core/io/g2o_writer.hpp"
 #include "core/solve/covariance.hpp"
 #include "core/solve/optimizer.hpp"
+#include "core/types/plugin_call.hpp"
 
 namespace graft {
 
@@ -84,8 +85,9 @@ void setGuess(Engine& engine, const std::string& name, SolveOptions& options) {
   options.guess_name = name;
 }
 
-Summary solve(const Graph& graph, Values& values, Engine& engine, SolveOptions options) {
-  const Watchdog watchdog(options.time_limit);
+Summary solve(const Graph& graph, Values& values, Engine& engine, SolveOptions options,
+              double patience) {
+  const Watchdog watchdog(options.time_limit, patience);
   ProgressBar bar("optimize", options.iterations);
   options.interrupt = &interruptFlag();
   options.callback = [&bar](const IterationRecord& record, const Values&) {
@@ -148,7 +150,9 @@ ExitCode run(OptimizeOptions& options, Clock::time_point start) {
   const Graph& graph = with_kernels != nullptr ? *with_kernels : loaded.graph;
   times.load = secondsSince(load_start);
 
-  const Summary summary = solve(graph, loaded.values, *engine, solve_options);
+  const WorkSubject subject(options.input.c_str());
+  const Summary summary =
+      solve(graph, loaded.values, *engine, solve_options, options.engine.patience);
   for (const std::string& note : summary.notes) printMessage("note", note);
 
   const auto write_start = Clock::now();

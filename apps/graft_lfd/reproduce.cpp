@@ -3,7 +3,7 @@
 
 #include "apps/graft_lfd/commands.hpp"
 #include "apps/graft_lfd/session.hpp"
-#include "core/base/file.hpp"
+#include "core/base/staged_directory.hpp"
 #include "core/base/text.hpp"
 #include "core/io/trajectory.hpp"
 #include "types_lfd/learn/reproduce_result.hpp"

@@ -5,6 +5,7 @@
 #include "apps/graft_lfd/commands.hpp"
 #include "apps/graft_lfd/session.hpp"
 #include "core/base/file.hpp"
+#include "core/base/staged_directory.hpp"
 #include "core/io/trajectory.hpp"
 #include "types_lfd/demo/segments_file.hpp"
 #include "types_lfd/learn/learn.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/file.hpp"
+#include "core/base/staged_directory.hpp"
 #include "types_lfd/learn/learn.hpp"
 #include "types_lfd/learn/tune.hpp"
 

@@ -48,36 +48,10 @@ double freeInGroup(const std::string& folder, const char* limit, const char* usa
                    const char* cache) {
   const double most = numberIn(folder + limit, "");
   const double used = numberIn(folder + usage, "");
-  if (!(most >= 0) || !(used >= 0)) return kUnlimited;
+  if (!(most >= 0)) return kUnlimited;
+  if (!(used >= 0)) return most;
   const double droppable = numberIn(folder + "/memory.stat", cache);
-  return std::max(0.0, most - used + (droppable >= 0 ? droppable : 0));
-}
-
-/// The least that the groups of the process and their parents leave, versions 1 and 2.
-double freeInGroups() {
-  double least = kUnlimited;
-  std::ifstream groups("/proc/self/cgroup");
-  for (std::string line; std::getline(groups, line);) {
-    const std::size_t first = line.find(':');
-    const std::size_t second = first == std::string::npos ? first : line.find(':', first + 1);
-    if (second == std::string::npos) continue;
-    const std::string controllers = line.substr(first + 1, second - first - 1);
-    const bool unified = controllers.empty();
-    if (!unified && controllers.find("memory") == std::string::npos) continue;
-    const std::string root = unified ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
-    std::string path = line.substr(second + 1);
-    if (path == "/") path.clear();
-    for (;;) {
-      const std::string folder = root + path;
-      least = std::min(
-          least, unified ? freeInGroup(folder, "/memory.max", "/memory.current", "inactive_file")
-                         : freeInGroup(folder, "/memory.limit_in_bytes", "/memory.usage_in_bytes",
-                                       "total_inactive_file"));
-      if (path.empty()) break;
-      path.resize(path.rfind('/') == std::string::npos ? 0 : path.rfind('/'));
-    }
-  }
-  return least;
+  return std::max(0.0, most - std::max(0.0, used - (droppable >= 0 ? droppable : 0)));
 }
 
 double freeInAddressSpace() {
@@ -90,8 +64,34 @@ double freeInAddressSpace() {
 
 }  // namespace
 
+double availableInGroups(const std::string& root) {
+  double least = kUnlimited;
+  std::ifstream groups(root + "/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = first == std::string::npos ? first : line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const bool unified = controllers.empty();
+    if (!unified && controllers.find("memory") == std::string::npos) continue;
+    const std::string tree = root + (unified ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory");
+    std::string path = line.substr(second + 1);
+    if (path == "/") path.clear();
+    for (;;) {
+      const std::string folder = tree + path;
+      least = std::min(
+          least, unified ? freeInGroup(folder, "/memory.max", "/memory.current", "inactive_file")
+                         : freeInGroup(folder, "/memory.limit_in_bytes", "/memory.usage_in_bytes",
+                                       "total_inactive_file"));
+      if (path.empty()) break;
+      path.resize(path.rfind('/') == std::string::npos ? 0 : path.rfind('/'));
+    }
+  }
+  return least;
+}
+
 double availableMemory() {
-  return std::min({freeOnMachine(), freeInGroups(), freeInAddressSpace()});
+  return std::min({freeOnMachine(), availableInGroups(), freeInAddressSpace()});
 }
 
 std::string formatBytes(double bytes) {

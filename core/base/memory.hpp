@@ -9,6 +9,11 @@ namespace graft {
 /// control groups leave it, and what RLIMIT_AS leaves. Infinite where nothing tells.
 double availableMemory();
 
+/// Of that what control groups (versions 1 and 2) leave: the least of the process's groups and
+/// their parents, page cache that can be dropped not counted. `root`: where /proc and /sys
+/// stand, "" = those of the system.
+double availableInGroups(const std::string& root = "");
+
 /// "41.3 GB", three digits, powers of 1000.
 std::string formatBytes(double bytes);
 

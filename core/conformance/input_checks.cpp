@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Resources and loaders: what reads files.
-#include <unistd.h>
+#include <sys/mman.h>
 
-#include <filesystem>
+#include <cerrno>
+#include <cstring>
 
-#include "core/base/file.hpp"
+#include "core/base/temporary.hpp"
 #include "core/conformance/checks.hpp"
 #include "core/conformance/sampler.hpp"
 
@@ -40,6 +41,8 @@ struct CountingSink {
                        const std::int64_t*, std::int32_t, const double*, std::int32_t,
                        const double*, std::int64_t) { return count(host); };
     sink.fix_vertex = [](void* host, std::int64_t, std::int64_t) { return count(host); };
+    sink.set_kernel = [](void* host, const char*, double, std::int64_t) { return count(host); };
+    sink.set_level = [](void* host, std::int32_t, std::int64_t) { return count(host); };
     sink.report = [](void* host, std::int32_t severity, const char*, std::int64_t, std::int64_t,
                      const char*) {
       if (severity >= 2) ++static_cast<CountingSink*>(host)->errors;
@@ -54,18 +57,19 @@ struct CountingSink {
   std::size_t errors = 0;
 };
 
-/// A file that is deleted at the end.
-struct TemporaryFile {
+/// A file in memory that has a name as long as this lives: no folder needs to be writable.
+class TemporaryFile {
+ public:
   explicit TemporaryFile(const std::string& content)
-      : path((std::filesystem::temp_directory_path() /
-              ("graft-conformance-" + std::to_string(::getpid())))
-                 .string()) {
-    writeFileAtomically(path, content);
+      : file_(::memfd_create("graft-conformance", MFD_CLOEXEC)) {
+    if (file_.get() < 0 || !writeAll(file_.get(), content)) {
+      failOutput("a file in memory", std::strerror(errno));
+    }
   }
-  ~TemporaryFile() { ::unlink(path.c_str()); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  std::string path;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(file_.get()); }
+
+ private:
+  Descriptor file_;
 };
 
 void requireSaid(const graft_loader_type& type, const std::string& path, const char* what) {
@@ -113,9 +117,9 @@ void addLoaderChecks(const Context&, const graft_loader_type& type, Checks& chec
        }});
   checks.push_back({"load.refuses", [&type] {
                       const TemporaryFile empty("");
-                      requireSaid(type, empty.path, "an empty file");
+                      requireSaid(type, empty.path(), "an empty file");
                       const TemporaryFile garbage(kGarbage);
-                      requireSaid(type, garbage.path, "garbage");
+                      requireSaid(type, garbage.path(), "garbage");
                       requireSaid(type, "/no/such/file", "a missing file");
                     }});
 }

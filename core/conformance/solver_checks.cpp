@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <cmath>
 #include <limits>
 #include <thread>
 
+#include "core/base/text.hpp"
 #include "core/conformance/buffer.hpp"
 #include "core/conformance/checks.hpp"
 #include "core/conformance/sampler.hpp"
@@ -98,6 +100,11 @@ class Solver {
   void analyze(const Problem& problem) {
     graft_message message = {};
     require(type_.analyze(self_, &problem.pattern, &message), "analyze()", message);
+    if (type_.struct_size < sizeof type_ || type_.factor_bytes == nullptr) return;
+    const double bytes = type_.factor_bytes(self_);
+    if (!(bytes >= 0) || !std::isfinite(bytes)) {
+      throw Defect("factor_bytes() gives " + formatDouble(bytes));
+    }
   }
   int factorize(const std::vector<double>& values, const double* damping, std::int32_t& failed) {
     graft_message message = {};

@@ -92,7 +92,7 @@ Vec<T, 6> poseError(const SE3<T>& a_T_b) {
 /// that is, half-angle units. Kept for files whose weights assume it.
 template <class T>
 Vec<T, 6> quaternionVectorError(const SE3<T>& a_T_b) {
-  const double sign = valueOf(a_T_b.rotation.w()) < 0 ? -1.0 : 1.0;
+  const double sign = quaternionSign(a_T_b.rotation);
   Vec<T, 6> e;
   e.template head<3>() = a_T_b.translation;
   e[3] = sign * a_T_b.rotation.x();

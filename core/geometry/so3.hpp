@@ -43,13 +43,23 @@ Eigen::Quaternion<T> expSO3(const Vec<T, 3>& phi) {
   return Eigen::Quaternion<T>(w, scale * phi[0], scale * phi[1], scale * phi[2]);
 }
 
+/// 1 or -1, so that q and -q times it are the same: w >= 0, and at half turns, where w is
+/// zero, the first other number that is not is positive.
+template <class T>
+double quaternionSign(const Eigen::Quaternion<T>& q) {
+  for (const double number : {valueOf(q.w()), valueOf(q.x()), valueOf(q.y()), valueOf(q.z())}) {
+    if (number != 0) return number < 0 ? -1.0 : 1.0;
+  }
+  return 1.0;
+}
+
 /// Unit quaternion to rotation vector (3, rad) of angle at most pi; q and -q
 /// give the same result.
 template <class T>
 Vec<T, 3> logSO3(const Eigen::Quaternion<T>& q) {
   using std::atan2;
   using std::sqrt;
-  const double sign = valueOf(q.w()) < 0 ? -1.0 : 1.0;
+  const double sign = quaternionSign(q);
   const T w = sign * q.w();
   const T x = sign * q.x();
   const T y = sign * q.y();

@@ -64,15 +64,10 @@ void FactorGraph::addResource(const std::string& tag, std::int64_t id,
                               std::vector<std::string> tokens, const std::string& directory) {
   const graft_resource_type& type =
       require(registry_.resource(tag), registry_, {Kind::kResource, tag});
-  std::vector<const char*> texts;
-  texts.reserve(tokens.size());
-  for (const std::string& token : tokens) texts.push_back(token.c_str());
   graft_message message = {};
-  const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
-    return type.load(directory.c_str(), std::int32_t(texts.size()), texts.data(), &message);
-  });
+  std::shared_ptr<const void> data = loadResource(type, directory, tokens, message);
   if (data == nullptr) reject(tag + " " + std::to_string(id) + ": " + message.text);
-  graph_.addResource(type, id, std::move(tokens), std::shared_ptr<const void>(data, type.destroy));
+  graph_.addResource(type, id, std::move(tokens), std::move(data));
 }
 
 void FactorGraph::fix(std::int64_t id, bool fixed) { graph_.setFixed(at(id), fixed); }

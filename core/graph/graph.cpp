@@ -45,6 +45,22 @@ EdgeBlock& Graph::edgeBlockOf(const graft_edge_type& type) {
   return edge_blocks_.back();
 }
 
+std::shared_ptr<const void> loadResource(const graft_resource_type& type,
+                                         const std::string& directory,
+                                         const std::vector<std::string>& tokens,
+                                         graft_message& message) {
+  std::vector<const char*> texts;
+  for (const std::string& token : tokens) texts.push_back(token.c_str());
+  const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
+    return type.load(directory.c_str(), std::int32_t(texts.size()), texts.data(), &message);
+  });
+  if (data == nullptr) return nullptr;
+  return std::shared_ptr<const void>(data, [&type](const void* resource) {
+    const PluginCall call(Callback::kDestroyResource, type.tag);
+    type.destroy(resource);
+  });
+}
+
 VertexRef Graph::addVertex(const graft_vertex_type& type, std::int64_t id, const double* estimate,
                            Values& values, std::int64_t line) {
   if (id < 0) reject("vertex id " + std::to_string(id) + " is negative");

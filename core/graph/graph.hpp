@@ -60,6 +60,13 @@ struct Resource {
   std::shared_ptr<const void> data;
 };
 
+/// Loads a resource by its type; null, with the reason in `message`, where the type refuses.
+/// `directory`: what file names among the tokens are relative to.
+std::shared_ptr<const void> loadResource(const graft_resource_type& type,
+                                         const std::string& directory,
+                                         const std::vector<std::string>& tokens,
+                                         graft_message& message);
+
 /// The structure of a factor graph: vertices with ids, edges with measurements
 /// and information, resources. Estimates live apart, in Values. Every insertion
 /// is checked and either succeeds or throws Error(kInput) and changes nothing.

@@ -187,10 +187,6 @@ class Reader {
     if (name.empty()) return fail(tokens.column(), "expected the name of a kernel, the line ends");
     const std::int64_t column = tokens.column();
     if (!numbers(tokens, 1, 1)) return;
-    if (!(numbers_[0] > 0)) {
-      return fail(
-          0, "the width of a robust kernel must be positive, got " + formatDouble(numbers_[0]));
-    }
     builder_.setKernel(name, numbers_[0], number_, column);
   }
 

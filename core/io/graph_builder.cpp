@@ -18,8 +18,13 @@ constexpr double kQuaternionError = 2.0;
 // Unknown tags are remembered, too, but a hostile file has any number of them.
 constexpr std::size_t kTagLimit = 4096;
 
-/// Index of the first of four successive fields that are a quaternion.
-int findQuaternion(const char* fields) {
+std::string plural(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + ' ' + (count == 1 ? one : many);
+}
+
+}  // namespace
+
+int quaternionField(const char* fields) {
   if (fields == nullptr) return -1;
   LineTokens tokens(fields);
   int index = 0;
@@ -28,12 +33,6 @@ int findQuaternion(const char* fields) {
   }
   return -1;
 }
-
-std::string plural(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + ' ' + (count == 1 ? one : many);
-}
-
-}  // namespace
 
 GraphBuilder::GraphBuilder(std::string path, Registry& registry, const LoadOptions& options,
                            Diagnostics& diagnostics)
@@ -66,8 +65,8 @@ const TagType& GraphBuilder::tag(std::string_view name) {
     if (type.vertex == nullptr) type.edge = registry_.edge(key);
     if (type.vertex == nullptr && type.edge == nullptr) type.resource = registry_.resource(key);
     if (!type.known() && tags_.size() >= kTagLimit) return unknown_;
-    if (type.vertex != nullptr) type.quaternion = findQuaternion(type.vertex->fields);
-    if (type.edge != nullptr) type.quaternion = findQuaternion(type.edge->fields);
+    if (type.vertex != nullptr) type.quaternion = quaternionField(type.vertex->fields);
+    if (type.edge != nullptr) type.quaternion = quaternionField(type.edge->fields);
     position = tags_.emplace(key, type).first;
   }
   last_name_ = std::move(key);
@@ -143,8 +142,17 @@ void GraphBuilder::addEdge(const TagType& type, const EdgeNumbers& n, std::int64
   numbers_.insert(numbers_.end(), n.information, n.information + n.information_count);
 }
 
+std::string GraphBuilder::nameOf(const PendingEdge& edge) {
+  return edge.line > 0 ? "the edge of line " + std::to_string(edge.line)
+                       : std::string("the last ") + edge.type->edge->tag;
+}
+
 void GraphBuilder::setKernel(std::string_view name, double width, std::int64_t line,
                              std::int64_t column) {
+  if (!(width > 0) || !std::isfinite(width)) {
+    return error(line, 0,
+                 "the width of a robust kernel must be positive, got " + formatDouble(width));
+  }
   const std::string key(name);
   const graft_kernel_type* kernel = registry_.kernel(key);
   if (kernel == nullptr) {
@@ -153,17 +161,18 @@ void GraphBuilder::setKernel(std::string_view name, double width, std::int64_t l
   }
   PendingEdge& edge = edges_.back();
   if (edge.kernel >= 0) {
-    return error(line, 0,
-                 "the edge of line " + std::to_string(edge.line) + " has a robust kernel already");
+    return error(line, 0, nameOf(edge) + " has a robust kernel already");
   }
   edge.kernel = loaded_.graph.addKernel({kernel, width});
 }
 
 void GraphBuilder::setLevel(std::int32_t level, std::int64_t line) {
   PendingEdge& edge = edges_.back();
-  if (edge.level >= 0) {
-    return error(line, 0, "the edge of line " + std::to_string(edge.line) + " has a level already");
+  if (level < 0) {
+    return error(line, 0,
+                 "expected a level from 0 to 2147483647, got '" + std::to_string(level) + "'");
   }
+  if (edge.level >= 0) return error(line, 0, nameOf(edge) + " has a level already");
   edge.level = level;
 }
 
@@ -183,19 +192,16 @@ void GraphBuilder::resolveResources() {
             "resource " + std::to_string(pending.id) + " is already defined");
       continue;
     }
-    std::vector<const char*> tokens;
-    for (const std::string& token : pending.tokens) tokens.push_back(token.c_str());
     graft_message message = {};
-    const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
-      return type.load(directory.c_str(), std::int32_t(tokens.size()), tokens.data(), &message);
-    });
+    const std::string place = path_ + ":" + std::to_string(pending.line);
+    const WorkSubject subject(pending.line > 0 ? place.c_str() : path_.c_str());
+    std::shared_ptr<const void> data = loadResource(type, directory, pending.tokens, message);
     if (data == nullptr) {
       definitionLost();
       error(pending.line, 0, name + ": " + message.text);
       continue;
     }
-    loaded_.graph.addResource(type, pending.id, std::move(pending.tokens),
-                              std::shared_ptr<const void>(data, type.destroy));
+    loaded_.graph.addResource(type, pending.id, std::move(pending.tokens), std::move(data));
     ++loaded_.counts.resources;
   }
 }

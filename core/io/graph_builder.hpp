@@ -19,6 +19,9 @@ struct TagType {
   bool known() const { return vertex != nullptr || edge != nullptr || resource != nullptr; }
 };
 
+/// Where "qx qy qz qw" stands among the numbers that `fields` names; -1 = nowhere.
+int quaternionField(const char* fields);
+
 /// The host's side of loading: collects what a reader finds, in any order, and
 /// resolves it at the end (ids, slots, resources). Defects go to the
 /// diagnostics with their lines.
@@ -50,7 +53,7 @@ class GraphBuilder {
   void addEdge(const TagType& type, const EdgeNumbers& numbers, std::int64_t line);
 
   /// The robust kernel, or level, of the edge that was added last. Reports an unknown
-  /// name, and an edge that has one already.
+  /// name, a width that is not positive, a negative level, and an edge that has one already.
   void setKernel(std::string_view name, double width, std::int64_t line, std::int64_t column);
   void setLevel(std::int32_t level, std::int64_t line);
 
@@ -97,6 +100,7 @@ class GraphBuilder {
   std::int64_t column(std::int64_t line, int token) const;
   bool checkQuaternion(const TagType& type, const double* numbers, std::int64_t line);
   bool checkInformation(const PendingEdge& edge, int error_dim, double* upper);
+  static std::string nameOf(const PendingEdge& edge);
   void resolveResources();
   void makeVertices();
   void resolveEdge(const PendingEdge& edge);

@@ -29,6 +29,8 @@ class Sink {
     sink.add_edge = &addEdge;
     sink.fix_vertex = &fixVertex;
     sink.report = &report;
+    sink.set_kernel = &setKernel;
+    sink.set_level = &setLevel;
     return sink;
   }
   void rethrow() const {
@@ -39,6 +41,7 @@ class Sink {
   template <class Body>
   static int guard(void* host, Body&& body) {
     auto& self = *static_cast<Sink*>(host);
+    PluginCall::signOfLife();
     if (self.caught_) return GRAFT_FAILED;
     try {
       body(self.builder_);
@@ -71,7 +74,10 @@ class Sink {
                      std::int32_t information_count, const double* information, std::int64_t line) {
     return guard(host, [&](GraphBuilder& builder) {
       const TagType& type = builder.tag(tag);
+      Before& before = static_cast<Sink*>(host)->before_;
+      before = Before::kLostEdge;
       if (type.edge == nullptr) return builder.unknownTag(tag, line);
+      before = Before::kEdge;
       builder.addEdge(type,
                       {vertices, arity, resources, resource_count, measurement, measurement_count,
                        information, information_count},
@@ -80,6 +86,29 @@ class Sink {
   }
   static int fixVertex(void* host, std::int64_t id, std::int64_t line) {
     return guard(host, [&](GraphBuilder& builder) { builder.fix(id, line); });
+  }
+  /// Whether there is an edge that a loader may say more of.
+  static bool hasEdge(void* host, const char* what, std::int64_t line) {
+    auto& self = *static_cast<Sink*>(host);
+    if (self.before_ == Before::kEdge) return true;
+    if (self.before_ == Before::kLostEdge) {
+      self.builder_.warning(line, std::string(what) + " of an edge that was not read, skipped");
+    } else {
+      self.builder_.error(line, 0, std::string(what) + " without an edge before it");
+    }
+    return false;
+  }
+  static int setKernel(void* host, const char* name, double width, std::int64_t line) {
+    return guard(host, [&](GraphBuilder& builder) {
+      if (hasEdge(host, "a robust kernel", line)) {
+        builder.setKernel(name != nullptr ? name : "", width, line, 0);
+      }
+    });
+  }
+  static int setLevel(void* host, std::int32_t level, std::int64_t line) {
+    return guard(host, [&](GraphBuilder& builder) {
+      if (hasEdge(host, "a level", line)) builder.setLevel(level, line);
+    });
   }
   static void report(void* host, std::int32_t severity, const char* path, std::int64_t line,
                      std::int64_t column, const char* text) {
@@ -99,6 +128,8 @@ class Sink {
 
   GraphBuilder& builder_;
   std::exception_ptr caught_;
+  enum class Before { kNoEdge, kEdge, kLostEdge };
+  Before before_ = Before::kNoEdge;
 };
 
 bool hasExtension(const std::string& path, const char* extension) {
@@ -141,6 +172,7 @@ LoadedGraph loadGraph(const std::string& path, Registry& registry, const LoadOpt
   if (path != "-" && std::filesystem::is_directory(status)) {
     throw Error(ExitCode::kInput, {path, 0, 0}, "is a directory, expected a file");
   }
+  const WorkSubject subject(path.c_str());
   const graft_loader_type* loader =
       std::filesystem::is_regular_file(status) ? findLoader(path, registry) : nullptr;
   GraphBuilder builder(path, registry, options, diagnostics);

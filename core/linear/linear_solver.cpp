@@ -2,6 +2,7 @@
 #include "core/linear/linear_solver.hpp"
 
 #include "core/base/error.hpp"
+#include "core/base/memory.hpp"
 #include "core/linear/block_cholesky.hpp"
 #include "core/types/plugin_call.hpp"
 
@@ -60,9 +61,12 @@ class Plugged : public LinearSolver {
     graft_message message = {};
     const int status = callPlugin(Callback::kSolver, type_.name, message,
                                   [&] { return type_.analyze(self_, &pattern, &message); });
-    if (status == GRAFT_OK) return;
-    throw Error(status == GRAFT_OUT_OF_MEMORY ? ExitCode::kResources : ExitCode::kPlugin,
-                describe("cannot analyze the pattern", message));
+    if (status != GRAFT_OK) {
+      throw Error(status == GRAFT_OUT_OF_MEMORY ? ExitCode::kResources : ExitCode::kPlugin,
+                  describe("cannot analyze the pattern", message));
+    }
+    bytes_ = predictedBytes();
+    requireMemory(bytes_, kFactorOfEquations, kWithoutFactor);
   }
   LinearOutcome factorize(const double* values, const double* damping) override {
     graft_message message = {};
@@ -90,8 +94,14 @@ class Plugged : public LinearSolver {
     if (!outcome.ok) outcome.message = describe("failed", message);
     return outcome;
   }
+  double bytes() const override { return bytes_; }
 
  private:
+  double predictedBytes() const {
+    // Tables of minor version 2 end before.
+    if (type_.struct_size < sizeof type_ || type_.factor_bytes == nullptr) return 0;
+    return callPlugin(Callback::kSolver, type_.name, [&] { return type_.factor_bytes(self_); });
+  }
   std::string describe(const char* what, const graft_message& message) const {
     std::string text = std::string("linear solver ") + type_.name + " " + what;
     if (message.text[0] != '\0') text += std::string(": ") + message.text;
@@ -100,6 +110,7 @@ class Plugged : public LinearSolver {
   const graft_solver_type& type_;
   void* self_;
   std::int32_t block_count_ = 0;
+  double bytes_ = 0;
 };
 
 }  // namespace

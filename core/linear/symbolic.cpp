@@ -12,9 +12,6 @@ namespace {
 
 using Index = std::int32_t;
 
-constexpr const char* kFactor = "the factor of the normal equations";
-constexpr const char* kAdvice = "; an iterative linear solver, such as pcg, makes no factor";
-
 /// Below this a factorisation is over before threads are awake.
 constexpr double kFlopsWorthThreads = 3e6;
 
@@ -55,14 +52,14 @@ class Analysis {
   SymbolicFactor run(const std::vector<Index>& order) {
     result_.ordering = order.empty() ? chooseOrdering(graph_) : keepOrdering(graph_, order);
     // What the factor takes at least; found out exactly, it takes memory itself.
-    requireMemory(result_.ordering.entries * sizeof(double), kFactor, kAdvice);
+    requireMemory(result_.ordering.entries * sizeof(double), kFactorOfEquations, kWithoutFactor);
     orderByTree();
     findRows();
     merge();
     renumber();
     layOut();
     findTargets();
-    requireMemory(result_.bytes(), kFactor, kAdvice);
+    requireMemory(result_.bytes(), kFactorOfEquations, kWithoutFactor);
     return std::move(result_);
   }
 

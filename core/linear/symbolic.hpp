@@ -57,6 +57,10 @@ struct BlockTarget {
   bool transposed = false;
 };
 
+/// Texts for requireMemory() about a factor.
+constexpr const char* kFactorOfEquations = "the factor of the normal equations";
+constexpr const char* kWithoutFactor = "; an iterative linear solver, such as pcg, makes no factor";
+
 /// Everything about a factorisation that the pattern alone tells.
 struct SymbolicFactor {
   Ordering ordering;

@@ -53,7 +53,14 @@ void ElfFile::reject(const std::string& why) const {
 
 void ElfFile::open() {
   fd_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (fd_ < 0) reject(std::strerror(errno));
+  if (fd_ < 0) {
+    // That is not the file's fault, and to go on without it would blame others.
+    if (errno == EMFILE || errno == ENFILE) {
+      throw Error(ExitCode::kOutput, {path_, 0, 0},
+                  std::string("cannot be opened: ") + std::strerror(errno));
+    }
+    reject(std::string("it cannot be opened: ") + std::strerror(errno));
+  }
   struct stat status {};
   if (::fstat(fd_, &status) != 0) reject(std::strerror(errno));
   if (!S_ISREG(status.st_mode)) reject("it is no regular file");

@@ -48,7 +48,8 @@ std::vector<std::string> pluginCandidates(const std::string& folder) {
   // Not a directory_iterator: without memory for a name that would end the program.
   const std::unique_ptr<DIR, int (*)(DIR*)> stream(::opendir(folder.c_str()), &::closedir);
   const auto fail = [&folder] {
-    throw Error(ExitCode::kPlugin, {folder, 0, 0},
+    const bool full = errno == EMFILE || errno == ENFILE;
+    throw Error(full ? ExitCode::kOutput : ExitCode::kPlugin, {folder, 0, 0},
                 std::string("cannot list plugins: ") + std::strerror(errno));
   };
   if (!stream) fail();
@@ -98,6 +99,7 @@ void PluginManager::scan(const std::string& folder, bool trusted) {
   try {
     files = pluginCandidates(folder);
   } catch (const Error& e) {
+    if (e.code() != ExitCode::kPlugin) throw;
     diagnostics_.warning(e.where(), e.what());
   }
   for (const std::string& path : files) {
@@ -105,6 +107,7 @@ void PluginManager::scan(const std::string& folder, bool trusted) {
     try {
       file = readPluginFile(path);
     } catch (const Error& e) {
+      if (e.code() != ExitCode::kPlugin) throw;
       diagnostics_.warning(e.where(), e.what());
       continue;
     }

@@ -43,15 +43,4 @@ EdgeBatch::EdgeBatch(const EdgeGroup& group, std::size_t group_index, const Stat
   }
 }
 
-graft_edge_batch EdgeBatch::single(std::int64_t edge) const {
-  graft_edge_batch one = view_;
-  one.count = 1;
-  one.vertices += edge * view_.arity;
-  one.measurements += edge;
-  if (one.associations != nullptr) one.associations += edge;
-  if (one.information != nullptr) one.information += edge;
-  if (one.resources != nullptr) one.resources += edge;
-  return one;
-}
-
 }  // namespace graft

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/solve/problem.hpp"
+#include "core/types/batch.hpp"
 
 namespace graft {
 
@@ -15,7 +16,7 @@ class EdgeBatch {
             std::int64_t end);
   const graft_edge_batch& view() const { return view_; }
   /// The same with one edge only.
-  graft_edge_batch single(std::int64_t edge) const;
+  graft_edge_batch single(std::int64_t edge) const { return singleEdge(view_, edge); }
 
  private:
   graft_edge_batch view_ = {};

@@ -50,9 +50,9 @@ typedef struct graft_abi_stamp {
   uint32_t size_of_pointer;
   uint32_t size_of_vertex_type;
   uint32_t size_of_edge_type;
-  uint32_t size_of_registrar;
-  uint32_t sanitizers; /* bit 0 address, bit 1 thread: runtimes must match */
-  uint32_t isa;        /* bit 0 AVX, bit 1 AVX2, bit 2 FMA, bit 3 AVX-512F that the plugin needs */
+  uint32_t size_of_registrar; /* smaller in plugins of an older minor version */
+  uint32_t sanitizers;        /* bit 0 address, bit 1 thread: runtimes must match */
+  uint32_t isa; /* bit 0 AVX, bit 1 AVX2, bit 2 FMA, bit 3 AVX-512F that the plugin needs */
   uint32_t reserved;
   char name[64];
   char version[32];
@@ -244,6 +244,9 @@ typedef struct graft_solver_type {
                    graft_message* message);
   /* x = A^-1 b with the last factor; both of the full scalar dimension. */
   int (*solve)(void* self, const double* b, double* x, graft_message* message);
+  /* Since minor version 3; or null. After analyze(): the bytes that factorize() will take, so
+   * that the host refuses what does not fit before memory is taken; 0 = it cannot tell. */
+  double (*factor_bytes)(void* self);
 } graft_solver_type;
 
 /* ---- file loaders ------------------------------------------------------- */
@@ -266,6 +269,11 @@ typedef struct graft_graph_sink {
   /* severity 0 note, 1 warning, 2 error, 3 no usable result; path null = the file loaded. */
   void (*report)(void* host, int32_t severity, const char* path, int64_t line, int64_t column,
                  const char* text);
+  /* Since minor version 3. Of the edge that was added last, once each: its robust kernel, by
+   * the name that a plugin gives it, with its width > 0; and its level >= 0 (a solve takes the
+   * edges of one level, usually 0). An edge without keeps none, and level 0. */
+  int (*set_kernel)(void* host, const char* name, double width, int64_t line);
+  int (*set_level)(void* host, int32_t level, int64_t line);
 } graft_graph_sink;
 
 typedef struct graft_loader_type {

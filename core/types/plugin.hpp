@@ -9,6 +9,7 @@
 //
 // and in CMake: graft_add_plugin(mine SOURCES plugin.cpp).
 
+#include "core/types/batch.hpp"
 #include "core/types/dynamic_edge.hpp"
 #include "core/types/edge.hpp"
 #include "core/types/one_to_many_edge.hpp"

@@ -21,7 +21,7 @@ struct alignas(64) Slot {
   std::atomic<std::uint64_t> number{0};
 };
 
-constexpr int kSlots = 1088;  // threads beyond that many are not watched
+constexpr int kSlots = PluginCall::kPlaces;  // threads beyond that many are not watched
 std::array<Slot, kSlots> slots;
 
 /// Takes a slot at a thread's first call and gives it back at the thread's end.
@@ -45,6 +45,8 @@ struct Place {
   Place& operator=(const Place&) = delete;
   int index = -1;
 };
+
+std::atomic<const char*> subject{""};
 
 // A plain number beside the object: a signal handler must not construct anything.
 thread_local int this_place = -1;
@@ -93,6 +95,8 @@ const char* callbackName(Callback callback) noexcept {
       return "its relaxation";
     case Callback::kKernel:
       return "evaluate()";
+    case Callback::kDestroyResource:
+      return "destroy()";
     case Callback::kSolver:
       return "the linear solver";
     case Callback::kGuess:
@@ -133,15 +137,20 @@ PluginActivity PluginCall::ofAnyThread() noexcept {
   return activity;
 }
 
-std::vector<PluginActivity> PluginCall::all() {
-  std::vector<PluginActivity> list;
-  for (int i = 0; i < kSlots; ++i) {
-    if (!slots[std::size_t(i)].taken.load(std::memory_order_acquire)) continue;
-    const PluginActivity activity = read(i);
-    if (activity.tag != nullptr) list.push_back(activity);
-  }
-  return list;
+PluginActivity PluginCall::at(int place) noexcept {
+  if (!slots[std::size_t(place)].taken.load(std::memory_order_acquire)) return PluginActivity();
+  return read(place);
 }
+
+void PluginCall::signOfLife() noexcept {
+  if (this_place < 0) return;
+  std::atomic<std::uint64_t>& number = slots[std::size_t(this_place)].number;
+  number.store(number.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
+WorkSubject::WorkSubject(const char* what) noexcept : outer_(subject.exchange(what)) {}
+WorkSubject::~WorkSubject() { subject.store(outer_); }
+const char* WorkSubject::now() noexcept { return subject.load(); }
 
 const char* libraryOf(const char* tag) noexcept {
   // A place in this library, or in the program that it is linked into.
@@ -166,8 +175,10 @@ std::string ofPlugin(const char* tag) {
 }
 
 void throwFromPlugin(Callback callback, const char* tag, const char* what) {
+  const std::string input = WorkSubject::now();
   throw Error(ExitCode::kPlugin, {libraryOf(tag), 0, 0},
-              std::string(tag) + ": " + callbackName(callback) + " threw an exception: " + what);
+              std::string(tag) + ": " + callbackName(callback) + " threw an exception: " + what +
+                  (input.empty() ? "" : " (input: " + input + ")"));
 }
 
 }  // namespace graft

@@ -6,7 +6,6 @@
 #include <new>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "core/base/error.hpp"
 #include "core/types/abi.h"
@@ -25,6 +24,7 @@ enum class Callback : int {
   kPropagate,
   kRelax,
   kKernel,
+  kDestroyResource,
   kSolver,        ///< may take long: one call factors a whole system
   kGuess,         ///< may take long
   kLoadResource,  ///< may take long
@@ -38,7 +38,7 @@ struct PluginActivity {
   const char* tag = nullptr;  ///< of the type, null = it is in no plugin
   Callback callback = Callback::kNone;
   int thread = -1;           ///< place in a table, to recognise it
-  std::uint64_t number = 0;  ///< of calls that the thread has made
+  std::uint64_t number = 0;  ///< of calls, and signs of life, of the thread
   /// Whether one call of this kind handles a few hundred items at most.
   bool isShort() const { return callback < Callback::kSolver; }
 };
@@ -58,12 +58,31 @@ class PluginCall {
   static PluginActivity ofThisThread() noexcept;
   /// That, or where it is in no plugin, what the first thread does that is in one.
   static PluginActivity ofAnyThread() noexcept;
-  /// What all threads do that are in a plugin now.
-  static std::vector<PluginActivity> all();
+  /// What the thread at a place of the table does, 0 <= place < kPlaces: so a watcher asks
+  /// for all threads without memory.
+  static constexpr int kPlaces = 1088;
+  static PluginActivity at(int place) noexcept;
+  /// Says that the plugin's function that this thread is in gets on: it has called back.
+  static void signOfLife() noexcept;
 
  private:
   const char* outer_tag_;
   Callback outer_callback_;
+};
+
+/// Says, as long as it lives, what the process reads or works on, for last words and for
+/// messages about plugins: a file, or "file:line". The text must live as long.
+class WorkSubject {
+ public:
+  explicit WorkSubject(const char* what) noexcept;
+  ~WorkSubject();
+  WorkSubject(const WorkSubject&) = delete;
+  WorkSubject& operator=(const WorkSubject&) = delete;
+  /// Of the innermost one alive; "" without. Safe in a signal handler.
+  static const char* now() noexcept;
+
+ private:
+  const char* outer_;
 };
 
 /// File of the library that holds a tag's text; empty where that is the program.

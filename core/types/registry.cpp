@@ -2,6 +2,7 @@
 #include "core/types/registry.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
 
 #include "core/types/plugin_call.hpp"
@@ -39,13 +40,15 @@ constexpr int kMaximumDim = 1 << 16;
 bool isDim(int dim) { return dim > 0 && dim <= kMaximumDim; }
 bool isDimOrDynamic(int dim) { return isDim(dim) || dim == GRAFT_DYNAMIC; }
 
+/// `smallest`: the type's size in the oldest minor version that is taken.
 template <class Type>
-bool checkHeader(Staging& staging, const Type* type, const char* name) {
+bool checkHeader(Staging& staging, const Type* type, const char* name,
+                 std::size_t smallest = sizeof(Type)) {
   if (!isLegalName(name)) {
     staging.defect("", "the name is empty, too long, or has blanks or control bytes");
     return false;
   }
-  if (type->struct_size != sizeof(Type)) {
+  if (type->struct_size < smallest || type->struct_size > sizeof(Type)) {
     staging.defect(name, "struct_size is " + std::to_string(type->struct_size) + ", expected " +
                              std::to_string(sizeof(Type)));
     return false;
@@ -126,7 +129,8 @@ void stageKernel(void* host, const graft_kernel_type* type) {
 
 void stageSolver(void* host, const graft_solver_type* type) {
   auto& staging = *static_cast<Staging*>(host);
-  if (!checkHeader(staging, type, type->name)) return;
+  constexpr std::size_t kFirst = offsetof(graft_solver_type, factor_bytes);
+  if (!checkHeader(staging, type, type->name, kFirst)) return;
   if (!type->create || !type->destroy || !type->analyze || !type->factorize || !type->solve) {
     staging.defect(type->name, "a callback is null");
   }

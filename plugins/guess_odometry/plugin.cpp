@@ -19,17 +19,6 @@ struct Step {
   int slot;  ///< of `to`
 };
 
-graft_edge_batch single(const graft_edge_batch& batch, std::int64_t edge) {
-  graft_edge_batch one = batch;
-  one.count = 1;
-  one.vertices += edge * batch.arity;
-  one.measurements += edge;
-  if (one.associations != nullptr) one.associations += edge;
-  if (one.information != nullptr) one.information += edge;
-  if (one.resources != nullptr) one.resources += edge;
-  return one;
-}
-
 std::vector<Step> findSteps(const graft_guess_problem& problem) {
   std::vector<Step> steps;
   for (std::int64_t g = 0; g < problem.group_count; ++g) {
@@ -66,7 +55,7 @@ int guess(const graft_guess_problem* problem, graft_message* message) {
       for (; step != steps.end() && step->from == from; ++step) {
         const std::int64_t to = step->to;
         if (problem->held[to] != 0 || problem->placed[to] != 0) continue;
-        const graft_edge_batch edge = single(step->group->batch, step->edge);
+        const graft_edge_batch edge = graft::singleEdge(step->group->batch, step->edge);
         const int dim = problem->types[to]->ambient_dim;
         estimate.assign(problem->estimates[to], problem->estimates[to] + dim);
         if (step->group->type->propagate(&edge, step->slot, estimate.data()) != GRAFT_OK) continue;

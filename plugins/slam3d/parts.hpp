@@ -10,12 +10,12 @@ namespace graft::slam3d {
 /// turns and moves: rows [translation; quaternion's vector part], columns
 /// [d_t; d_r]. Here the rotation part: turns on the right of E.
 inline Mat<double, 3> vectorPartRight(const Eigen::Quaterniond& q) {
-  const double sign = q.w() < 0 ? -1.0 : 1.0;
+  const double sign = quaternionSign(q);
   return 0.5 * sign * (q.w() * Mat<double, 3>::Identity() + skew<double>(Vec<double, 3>(q.vec())));
 }
 /// The same for a turn on the left of E's rotation.
 inline Mat<double, 3> vectorPartLeft(const Eigen::Quaterniond& q) {
-  const double sign = q.w() < 0 ? -1.0 : 1.0;
+  const double sign = quaternionSign(q);
   return 0.5 * sign * (q.w() * Mat<double, 3>::Identity() - skew<double>(Vec<double, 3>(q.vec())));
 }
 

@@ -158,6 +158,20 @@ int CholmodSolver::analyze(const graft_block_pattern& pattern, std::string& why)
   return GRAFT_OK;
 }
 
+double CholmodSolver::factorBytes() const {
+  if (factor_ == nullptr) return 0;
+  constexpr double kEntry = sizeof(double) + sizeof(int);
+  const double copy = kEntry * double(source_.size());
+  if (factor_->is_super != 0) {
+    // Dense trapezoids, and the largest update of one.
+    return copy + sizeof(double) * (double(factor_->xsize) + double(factor_->maxcsize));
+  }
+  const auto* counts = static_cast<const int*>(factor_->ColCount);
+  double entries = 0;
+  for (std::size_t j = 0; j < factor_->n; ++j) entries += counts[j];
+  return copy + kEntry * entries;
+}
+
 int CholmodSolver::factorize(const double* values, const double* damping,
                              std::int32_t* failed_block, std::string& why) {
   factored_ = false;

@@ -25,6 +25,9 @@ class CholmodSolver {
   int factorize(const double* values, const double* damping, std::int32_t* failed_block,
                 std::string& why);
   int solve(const double* b, double* x, std::string& why);
+  /// What factorize() takes, bytes, by CHOLMOD's analysis: the numbers of the factor, its work
+  /// space, and the permuted copy of the matrix.
+  double factorBytes() const;
 
  private:
   void release();

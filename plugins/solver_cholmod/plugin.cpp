@@ -39,7 +39,8 @@ const graft_solver_type kType = {
       return call(self, message, [&](graft::CholmodSolver& solver, std::string& why) {
         return solver.solve(b, x, why);
       });
-    }};
+    },
+    [](void* self) { return static_cast<const graft::CholmodSolver*>(self)->factorBytes(); }};
 
 }  // namespace
 

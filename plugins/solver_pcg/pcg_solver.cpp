@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace graft {
 
@@ -62,7 +63,7 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-int PcgSolver::analyze(const graft_block_pattern& pattern, std::string&) {
+int PcgSolver::analyze(const graft_block_pattern& pattern, std::string& why) {
   factored_ = false;
   const std::int32_t count = pattern.block_count;
   dims_.assign(pattern.dims, pattern.dims + count);
@@ -78,10 +79,39 @@ int PcgSolver::analyze(const graft_block_pattern& pattern, std::string&) {
       offsets_.push_back(offsets_.back() + rows * dims_[std::size_t(j)]);
     }
   }
+  if (columns_.back() > std::numeric_limits<int>::max()) {
+    why = "the matrix has too many blocks";
+    return GRAFT_OUT_OF_MEMORY;
+  }
+  fill_ = incompletePattern(pattern);
+  layOutFactor();
   matrix_.assign(std::size_t(offsets_.back()), 0.0);
-  factor_.assign(matrix_.size(), 0.0);
+  factor_.assign(std::size_t(factor_offsets_.back()), 0.0);
   place_.assign(std::size_t(count), -1);
   return GRAFT_OK;
+}
+
+void PcgSolver::layOutFactor() {
+  factor_offsets_.assign(1, 0);
+  for (std::size_t j = 0; j + 1 < fill_.columns.size(); ++j) {
+    for (std::int64_t b = fill_.columns[j]; b < fill_.columns[j + 1]; ++b) {
+      const std::int64_t rows = dimAt(std::size_t(fill_.rows[std::size_t(b)]));
+      factor_offsets_.push_back(factor_offsets_.back() + rows * dimAt(j));
+    }
+  }
+  targets_.resize(rows_.size());
+  for (std::int32_t j = 0; j < blockCount(); ++j) {
+    for (std::int64_t b = columns_[std::size_t(j)]; b < columns_[std::size_t(j) + 1]; ++b) {
+      const std::int32_t own = fill_.position[std::size_t(j)];
+      const std::int32_t other = fill_.position[std::size_t(rows_[std::size_t(b)])];
+      const auto column = std::size_t(std::min(own, other));
+      const auto begin = fill_.rows.begin() + fill_.columns[column];
+      const auto place = std::lower_bound(begin, fill_.rows.begin() + fill_.columns[column + 1],
+                                          std::max(own, other));
+      targets_[std::size_t(b)] = {factor_offsets_[std::size_t(place - fill_.rows.begin())],
+                                  other < own};
+    }
+  }
 }
 
 int PcgSolver::factorize(const double* values, const double* damping, std::int32_t* failed_block,
@@ -129,33 +159,42 @@ int PcgSolver::factorize(const double* values, const double* damping, std::int32
 }
 
 std::int32_t PcgSolver::factorizeIncompletely(double raise) {
-  factor_ = matrix_;
+  std::fill(factor_.begin(), factor_.end(), 0.0);
   for (std::int32_t j = 0; j < blockCount(); ++j) {
-    const int dim = dims_[std::size_t(j)];
-    double* block = factor_.data() + offsets_[std::size_t(columns_[std::size_t(j)])];
-    for (int c = 0; c < dim; ++c) block[c * dim + c] *= 1 + raise;
-  }
-  for (std::int32_t j = 0; j < blockCount(); ++j) {
-    const std::int64_t begin = columns_[std::size_t(j)];
-    const std::int64_t end = columns_[std::size_t(j) + 1];
-    const int dim = dims_[std::size_t(j)];
-    double* diagonal = factor_.data() + offsets_[std::size_t(begin)];
-    if (!choleskyInPlace(dim, diagonal)) return j;
-    for (std::int64_t b = begin + 1; b < end; ++b) {
+    const int n = dims_[std::size_t(j)];
+    for (std::int64_t b = columns_[std::size_t(j)]; b < columns_[std::size_t(j) + 1]; ++b) {
       const std::int32_t row = rows_[std::size_t(b)];
-      solveFromRight(dims_[std::size_t(row)], dim, diagonal,
-                     factor_.data() + offsets_[std::size_t(b)]);
-      place_[std::size_t(row)] = b;
+      const int m = dims_[std::size_t(row)];
+      const Target& target = targets_[std::size_t(b)];
+      const double* in = matrix_.data() + offsets_[std::size_t(b)];
+      double* out = factor_.data() + target.offset;
+      for (int c = 0; c < n; ++c) {
+        for (int r = 0; r < m; ++r) out[target.transposed ? r * n + c : c * m + r] = in[c * m + r];
+        if (row == j) out[c * n + c] *= 1 + raise;
+      }
+    }
+  }
+  for (std::size_t j = 0; j + 1 < fill_.columns.size(); ++j) {
+    const std::int64_t begin = fill_.columns[j];
+    const std::int64_t end = fill_.columns[j + 1];
+    const int dim = dimAt(j);
+    double* diagonal = factor_.data() + factor_offsets_[std::size_t(begin)];
+    if (!choleskyInPlace(dim, diagonal)) return fill_.order[j];
+    for (std::int64_t b = begin + 1; b < end; ++b) {
+      const auto row = std::size_t(fill_.rows[std::size_t(b)]);
+      solveFromRight(dimAt(row), dim, diagonal, factor_.data() + factor_offsets_[std::size_t(b)]);
+      place_[row] = b;
     }
     // What this column does to those blocks of later columns that exist.
     for (std::int64_t b = begin + 1; b < end; ++b) {
-      const auto column = std::size_t(rows_[std::size_t(b)]);
-      for (std::int64_t t = columns_[column]; t < columns_[column + 1]; ++t) {
-        const auto row = std::size_t(rows_[std::size_t(t)]);
+      const auto column = std::size_t(fill_.rows[std::size_t(b)]);
+      for (std::int64_t t = fill_.columns[column]; t < fill_.columns[column + 1]; ++t) {
+        const auto row = std::size_t(fill_.rows[std::size_t(t)]);
         if (place_[row] < begin || place_[row] >= end) continue;
-        subtractProduct(
-            dims_[row], dims_[column], dim, factor_.data() + offsets_[std::size_t(place_[row])],
-            factor_.data() + offsets_[std::size_t(b)], factor_.data() + offsets_[std::size_t(t)]);
+        subtractProduct(dimAt(row), dimAt(column), dim,
+                        factor_.data() + factor_offsets_[std::size_t(place_[row])],
+                        factor_.data() + factor_offsets_[std::size_t(b)],
+                        factor_.data() + factor_offsets_[std::size_t(t)]);
       }
     }
   }
@@ -188,35 +227,36 @@ void PcgSolver::multiply(const double* x, double* y) const {
 
 void PcgSolver::precondition(const double* r, double* z) const {
   std::copy(r, r + first_.back(), z);
-  for (std::int32_t j = 0; j < blockCount(); ++j) {
-    const std::int64_t begin = columns_[std::size_t(j)];
-    const int n = dims_[std::size_t(j)];
-    const double* l = factor_.data() + offsets_[std::size_t(begin)];
-    double* zj = z + first_[std::size_t(j)];
+  const std::size_t count = dims_.size();
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::int64_t begin = fill_.columns[j];
+    const int n = dimAt(j);
+    const double* l = factor_.data() + factor_offsets_[std::size_t(begin)];
+    double* zj = z + firstAt(j);
     for (int c = 0; c < n; ++c) {
       zj[c] /= l[c * n + c];
       for (int i = c + 1; i < n; ++i) zj[i] -= l[c * n + i] * zj[c];
     }
-    for (std::int64_t b = begin + 1; b < columns_[std::size_t(j) + 1]; ++b) {
-      const auto row = std::size_t(rows_[std::size_t(b)]);
-      const int m = dims_[row];
-      const double* a = factor_.data() + offsets_[std::size_t(b)];
-      double* zi = z + first_[row];
+    for (std::int64_t b = begin + 1; b < fill_.columns[j + 1]; ++b) {
+      const auto row = std::size_t(fill_.rows[std::size_t(b)]);
+      const int m = dimAt(row);
+      const double* a = factor_.data() + factor_offsets_[std::size_t(b)];
+      double* zi = z + firstAt(row);
       for (int c = 0; c < n; ++c) {
         for (int i = 0; i < m; ++i) zi[i] -= a[c * m + i] * zj[c];
       }
     }
   }
-  for (std::int32_t j = blockCount() - 1; j >= 0; --j) {
-    const std::int64_t begin = columns_[std::size_t(j)];
-    const int n = dims_[std::size_t(j)];
-    const double* l = factor_.data() + offsets_[std::size_t(begin)];
-    double* zj = z + first_[std::size_t(j)];
-    for (std::int64_t b = begin + 1; b < columns_[std::size_t(j) + 1]; ++b) {
-      const auto row = std::size_t(rows_[std::size_t(b)]);
-      const int m = dims_[row];
-      const double* a = factor_.data() + offsets_[std::size_t(b)];
-      const double* zi = z + first_[row];
+  for (std::size_t j = count; j-- > 0;) {
+    const std::int64_t begin = fill_.columns[j];
+    const int n = dimAt(j);
+    const double* l = factor_.data() + factor_offsets_[std::size_t(begin)];
+    double* zj = z + firstAt(j);
+    for (std::int64_t b = begin + 1; b < fill_.columns[j + 1]; ++b) {
+      const auto row = std::size_t(fill_.rows[std::size_t(b)]);
+      const int m = dimAt(row);
+      const double* a = factor_.data() + factor_offsets_[std::size_t(b)];
+      const double* zi = z + firstAt(row);
       for (int c = 0; c < n; ++c) {
         for (int i = 0; i < m; ++i) zj[c] -= a[c * m + i] * zi[i];
       }

@@ -39,7 +39,8 @@ const graft_solver_type kType = {
       return call(self, message, [&](graft::PcgSolver& solver, std::string& why) {
         return solver.solve(b, x, why);
       });
-    }};
+    },
+    nullptr};
 
 }  // namespace
 

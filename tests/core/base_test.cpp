@@ -11,6 +11,7 @@
 
 #include "core/base/error.hpp"
 #include "core/base/file.hpp"
+#include "core/base/staged_directory.hpp"
 #include "core/base/text.hpp"
 #include "tests/support/test_data.hpp"
 

@@ -35,6 +35,9 @@ TEST_F(Geometry, LogIgnoresTheSignOfTheQuaternion) {
   const Eigen::Quaterniond q = expSO3<double>(randomVector(0.7));
   const Eigen::Quaterniond minus(-q.w(), -q.x(), -q.y(), -q.z());
   EXPECT_EQ(logSO3(q), logSO3(minus));
+  // Half turns, where w says nothing.
+  EXPECT_EQ(logSO3(Eigen::Quaterniond(0, 0, -0.6, 0.8)),
+            logSO3(Eigen::Quaterniond(-0.0, 0, 0.6, -0.8)));
 }
 
 TEST_F(Geometry, PlusAndMinusAreInverse) {

@@ -2,41 +2,20 @@
 #include "core/base/memory.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <fstream>
 
 #include "core/base/error.hpp"
 #include "core/linear/block_cholesky.hpp"
-#include "core/types/stamp.hpp"
-#include "tests/core/linear/block_matrix.hpp"
+#include "tests/support/address_space.hpp"
+#include "tests/support/block_matrix.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
 namespace {
 
-/// Leaves the process so many bytes of address space while it lives.
-class AddressSpaceLimit {
- public:
-  explicit AddressSpaceLimit(double bytes) {
-    getrlimit(RLIMIT_AS, &before_);
-    double pages = 0;
-    std::ifstream("/proc/self/statm") >> pages;
-    rlimit limit = before_;
-    limit.rlim_cur = rlim_t(pages * double(sysconf(_SC_PAGESIZE)) + bytes);
-    setrlimit(RLIMIT_AS, &limit);
-  }
-  ~AddressSpaceLimit() { setrlimit(RLIMIT_AS, &before_); }
-  AddressSpaceLimit(const AddressSpaceLimit&) = delete;
-
- private:
-  rlimit before_ = {};
-};
-
-// Sanitizers map terabytes, which leaves nothing to limit.
-#define GRAFT_REQUIRE_LIMITS() \
-  if (detail::sanitizerBits() != 0) GTEST_SKIP() << "address space cannot be limited"
+using testing::AddressSpaceLimit;
 
 TEST(Memory, FormatsBytes) {
   const std::pair<double, const char*> cases[] = {
@@ -105,36 +84,42 @@ TEST(Memory, PredictsTheFactor) {
   EXPECT_FALSE(with_tasks);
 }
 
-/// A cube of poses: little data, a large factor.
-std::string cube(int side) {
-  std::string text;
-  const auto id = [&](int x, int y, int z) { return std::to_string((x * side + y) * side + z); };
-  std::string edges;
-  for (int x = 0; x < side; ++x) {
-    for (int y = 0; y < side; ++y) {
-      for (int z = 0; z < side; ++z) {
-        text += "VERTEX_SE3:QUAT " + id(x, y, z) + " " + std::to_string(x) + " " +
-                std::to_string(y) + " " + std::to_string(z) + " 0 0 0 1\n";
-        const int next[3][3] = {{x + 1, y, z}, {x, y + 1, z}, {x, y, z + 1}};
-        for (int axis = 0; axis < 3; ++axis) {
-          if (next[axis][axis] == side) continue;
-          edges += "EDGE_SE3:QUAT " + id(x, y, z) + " " +
-                   id(next[axis][0], next[axis][1], next[axis][2]) + " " +
-                   (axis == 0   ? "1.1 0 0"
-                    : axis == 1 ? "0 1.1 0"
-                                : "0 0 1.1") +
-                   " 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
-        }
-      }
-    }
+/// What analysing blocks of 65536 rows, on the diagonal only, says.
+std::string refusalOf(std::int32_t blocks) {
+  const std::int32_t dim = 65536;
+  const std::vector<std::int32_t> dims(std::size_t(blocks), dim);
+  std::vector<std::int64_t> columns = {0};
+  std::vector<std::int64_t> offsets;
+  std::vector<std::int32_t> rows;
+  for (std::int32_t j = 0; j < blocks; ++j) {
+    rows.push_back(j);
+    offsets.push_back(std::int64_t(j) * dim * dim);
+    columns.push_back(j + 1);
   }
-  return text + "FIX 0\n" + edges;
+  const graft_block_pattern pattern = {sizeof pattern, blocks,      dims.data(),
+                                       columns.data(), rows.data(), offsets.data()};
+  try {
+    BlockCholesky().analyze(pattern);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::kNoResult);
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Memory, SizesBeyondAnyIndexAreRefusedBeforeMemoryIsTaken) {
+  // 32767 * 65536 * 65537 / 2 numbers of 8 bytes.
+  EXPECT_EQ(refusalOf(32767).find("the factor of the normal equations needs 563 TB, "), 0u)
+      << refusalOf(32767);
+  EXPECT_EQ(refusalOf(32769),
+            "the normal equations have 2147549184 unknowns in 32769 blocks: too many for indices "
+            "of 32 bits");
 }
 
 TEST(Memory, EndsOptimizeWithATextAndNotByAKiller) {
   GRAFT_REQUIRE_LIMITS();
   const std::string folder = testing::makeTemporaryDirectory();
-  const std::string in = testing::writeTestFile(folder, "cube.g2o", cube(16));
+  const std::string in = testing::writeTestFile(folder, "cube.g2o", testing::cubeOfPoses(16));
   const std::string graft = testing::binaryDirectory() + "/bin/graft optimize " + in;
   for (const int kilobytes : {90000, 120000}) {
     const testing::CommandResult result =
@@ -151,7 +136,7 @@ TEST(Memory, EndsOptimizeWithATextAndNotByAKiller) {
 
 TEST(Memory, IsNamedBySummary) {
   const std::string folder = testing::makeTemporaryDirectory();
-  const std::string in = testing::writeTestFile(folder, "cube.g2o", cube(5));
+  const std::string in = testing::writeTestFile(folder, "cube.g2o", testing::cubeOfPoses(5));
   const testing::CommandResult result = testing::runCommand(
       testing::binaryDirectory() + "/bin/graft optimize " + in + " --json " + folder + "/out.json");
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -8,9 +8,9 @@
 #include <map>
 #include <sstream>
 
-#include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -149,8 +149,7 @@ TEST_P(InitialChi2, EqualsARecomputationInLongDouble) {
   const std::string path = std::string("pose_graphs/") + GetParam().name + ".g2o";
   GRAFT_REQUIRE_DATA(path);
   Engine engine;
-  Diagnostics diagnostics;
-  const LoadedGraph loaded = loadGraph(testing::dataPath(path), engine.registry(), {}, diagnostics);
+  const LoadedGraph loaded = testing::loadData(path, engine.registry());
   const double chi2 = evaluateChi2(loaded.graph, loaded.values);
   const auto expected = double(recomputedChi2(testing::dataPath(path)));
   EXPECT_NEAR(chi2 / expected, 1, 1e-12);

@@ -12,6 +12,7 @@
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
 #include "tests/support/edge_check.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft::testing {
@@ -180,9 +181,8 @@ std::string lineOf(const std::string& tag, const std::string& ids,
 }
 
 LoadedGraph loadText(const std::string& text, Engine& engine) {
-  const std::string path = writeTestFile(makeTemporaryDirectory(), "one.g2o", text);
   Diagnostics diagnostics;
-  return loadGraph(path, engine.registry(), {}, diagnostics);
+  return testing::loadText(text, engine.registry(), diagnostics);
 }
 
 Numbers wide(const std::vector<double>& numbers) { return {numbers.begin(), numbers.end()}; }

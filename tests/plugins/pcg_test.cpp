@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
-#include "tests/core/linear/block_matrix.hpp"
+#include "plugins/solver_pcg/incomplete_pattern.hpp"
+#include "tests/support/block_matrix.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -64,6 +65,39 @@ TEST_F(Pcg, IsDirectWithoutFill) {
   EXPECT_LT((a.dense * x - b).norm(), 1e-13 * b.norm());
 }
 
+/// Of long thin graphs the factor is complete, others keep the blocks of the matrix.
+TEST(PcgFill, IsCompleteWhereThatIsLittleAndLimitedWhereItIsNot) {
+  std::set<std::pair<int, int>> chain;
+  for (int i = 1; i < 400; ++i) chain.insert({i - 1, i});
+  for (int i = 0; i < 380; i += 20) chain.insert({i, i + 15});
+  const BlockMatrix thin(std::vector<std::int32_t>(400, 1), chain, 1);
+  const IncompletePattern fill = incompletePattern(thin.pattern);
+  EXPECT_TRUE(fill.complete);
+  // The complete factor's pattern, by dense elimination in that order.
+  std::vector<std::set<int>> below(400);
+  for (const auto& [a, b] : chain) {
+    const int i = fill.position[std::size_t(a)];
+    const int j = fill.position[std::size_t(b)];
+    below[std::size_t(std::min(i, j))].insert(std::max(i, j));
+  }
+  for (std::size_t j = 0; j < below.size(); ++j) {
+    for (const int a : below[j]) {
+      for (const int b : below[j]) {
+        if (b > a) below[std::size_t(a)].insert(b);
+      }
+    }
+    const std::vector<std::int32_t> rows(fill.rows.begin() + fill.columns[j] + 1,
+                                         fill.rows.begin() + fill.columns[j + 1]);
+    EXPECT_EQ(rows, std::vector<std::int32_t>(below[j].begin(), below[j].end())) << j;
+  }
+  // A grid is not thin.
+  const BlockMatrix wide(std::vector<std::int32_t>(50 * 50, 1), testing::gridPairs(50), 2);
+  const IncompletePattern limited = incompletePattern(wide.pattern);
+  EXPECT_FALSE(limited.complete);
+  EXPECT_EQ(limited.rows, wide.rows);
+  EXPECT_EQ(limited.columns, wide.columns);
+}
+
 TEST_F(Pcg, RefusesWhatIsNotPositiveOrNotFinite) {
   BlockMatrix a({3, 2, 4, 1}, {{0, 1}, {1, 2}, {2, 3}}, 3);
   ASSERT_EQ(type->analyze(self, &a.pattern, &message), GRAFT_OK);
@@ -103,8 +137,7 @@ TEST_F(Pcg, OptimizesPoseGraphs) {
     SCOPED_TRACE(file);
     double reference = 0;
     for (const char* solver : {"block", "pcg"}) {
-      Diagnostics diagnostics;
-      LoadedGraph loaded = loadGraph(testing::dataPath(file), engine.registry(), {}, diagnostics);
+      LoadedGraph loaded = testing::loadData(file, engine.registry());
       SolveOptions options;
       options.linear_solver = solver;
       const Summary summary = optimize(loaded.graph, loaded.values, engine.registry(), options);

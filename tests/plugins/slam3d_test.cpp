@@ -48,7 +48,7 @@ TEST_F(Slam3d, JacobiansAreTheDerivatives) {
 
 TEST_F(Slam3d, JacobiansNearIdentityAndNearHalfATurn) {
   const std::vector<double> origin = {0, 0, 0, 0, 0, 0, 1};
-  for (const double angle : {0.0, 1e-9, 1e-4, 3.0, -3.0, 3.14}) {
+  for (const double angle : {0.0, 1e-12, 1e-9, 1e-4, 3.0, -3.0, 3.14}) {
     EdgeUnderTest edge = relative();
     edge.measurement = origin;
     const std::vector<double> turned = {1, 2, 3, 0, 0, std::sin(angle / 2), std::cos(angle / 2)};
@@ -88,6 +88,35 @@ TEST_F(Slam3d, SignsOfQuaternionsDoNotMatter) {
     for (int k = 3; k < 7; ++k) edge.measurement[std::size_t(k)] *= -1;
     EXPECT_EQ(edge.error(x), e);
   }
+}
+
+TEST_F(Slam3d, HalfTurnsAreFiniteAndTheSameForBothSigns) {
+  const std::vector<double> origin = {0, 0, 0, 0, 0, 0, 1};
+  for (const double w : {0.0, -0.0, 5e-10, -5e-10}) {
+    for (const Vec<double, 3>& axis :
+         {Vec<double, 3>(1, 0, 0), Vec<double, 3>(0, 0, -1), Vec<double, 3>(-0.6, 0, 0.8)}) {
+      EdgeUnderTest edge = relative();
+      edge.measurement = origin;
+      std::vector<double> turned = {1, 2, 3, axis[0], axis[1], axis[2], w};
+      const Eigen::VectorXd e = edge.error({origin, turned});
+      const Eigen::MatrixXd j = edge.jacobian({origin, turned});
+      EXPECT_NEAR(e.tail<3>().norm(), 1, 1e-12);
+      EXPECT_TRUE(j.allFinite());
+      for (int k = 3; k < 7; ++k) turned[std::size_t(k)] *= -1;
+      EXPECT_EQ(edge.error({origin, turned}), e) << w << ' ' << axis.transpose();
+      EXPECT_EQ(edge.jacobian({origin, turned}), j) << w << ' ' << axis.transpose();
+    }
+  }
+}
+
+TEST_F(Slam3d, ManyUpdatesKeepTheQuaternionsLength) {
+  const graft_vertex_type& type = vertexType<SE3>();
+  std::vector<double> x = randomPose();
+  for (int i = 0; i < 10000; ++i) {
+    const std::vector<double> step = randomPose(0.1, 1);
+    type.plus(1, x.data(), step.data(), x.data());
+  }
+  EXPECT_NEAR(std::hypot(std::hypot(x[3], x[4]), std::hypot(x[5], x[6])), 1, 1e-12);
 }
 
 TEST_F(Slam3d, PropagationMakesTheErrorZero) {

@@ -7,6 +7,7 @@
 #include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -15,9 +16,8 @@ namespace {
 class Toro : public ::testing::Test {
  protected:
   LoadedGraph loadText(const std::string& text, const std::string& name = "one.graph") {
-    const std::string path = testing::writeTestFile(testing::makeTemporaryDirectory(), name, text);
     diagnostics_.clear();
-    return loadGraph(path, engine_.registry(), {}, diagnostics_);
+    return testing::loadText(text, engine_.registry(), diagnostics_, {}, name);
   }
   std::string failure(const std::string& text) {
     try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "core/base/file.hpp"
+#include "core/base/staged_directory.hpp"
 #include "types_lfd/learn/learn.hpp"
 
 namespace graft::lfd {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t kBuilderGeneration = 2;
 
 std::string absoluteFromEnvironment(const char* variable) {
-  const char* value = std::getenv(variable);
+  const char* value = ::secure_getenv(variable);
   return value != nullptr && value[0] == '/' ? value : "";
 }
 

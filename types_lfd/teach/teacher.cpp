@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/base/file.hpp"
+#include "core/base/staged_directory.hpp"
 #include "core/base/text.hpp"
 #include "types_lfd/teach/grasp_samples.hpp"
 #include "types_lfd/teach/performance.hpp"

@@ -64,6 +64,22 @@ TEST_F(Check, NamesOddWeights) {
   expectSaid(result.out, "0 directions that no edge determines");
 }
 
+TEST_F(Check, MeanRotationsShowQuaternionsWithWInFront) {
+  const auto graph = [](const char* first, const char* second) {
+    const std::string weight = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
+    return "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\nFIX 0\n"
+           "EDGE_SE3:QUAT 0 1 1 0 0 " +
+           (first + weight) + "EDGE_SE3:QUAT 0 1 1 0 0 " + (second + weight);
+  };
+  // Turns by 0 and 90 degrees, and what they look like to who reads w last.
+  const std::string right = run("check", graph("0 0 0 1", "0 0 0.70710678 0.70710678")).out;
+  expectSaid(right, "      45 degrees is the mean rotation of EDGE_SE3:QUAT\n");
+  const std::string wrong = run("check", graph("1 0 0 0", "0.70710678 0 0 0.70710678")).out;
+  expectSaid(wrong,
+             "     135 degrees is the mean rotation of EDGE_SE3:QUAT (does the file give qw first? "
+             "expected qx qy qz qw)\n");
+}
+
 TEST_F(Check, IndefiniteInformationIsRefusedByNameAndSolvedIfProjected) {
   const std::string text =
       "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 2 0 0\n"

@@ -11,6 +11,7 @@
 #include "core/io/g2o_writer.hpp"
 #include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -23,8 +24,7 @@ constexpr const char* kUnit3 = " 1 0 0 1 0 1";
 
 LoadedGraph load(const std::string& text, Engine& engine, Diagnostics& diagnostics,
                  const LoadOptions& options = {}) {
-  const std::string path = writeTestFile(makeTemporaryDirectory(), "g.g2o", text);
-  return loadGraph(path, engine.registry(), options, diagnostics);
+  return testing::loadText(text, engine.registry(), diagnostics, options);
 }
 
 LoadedGraph load(const std::string& text, const LoadOptions& options = {}) {
@@ -143,8 +143,8 @@ TEST(G2o, LenientSkipsUnknownTagsOnlyAndCountsThem) {
   Diagnostics diagnostics;
   LoadOptions options;
   options.lenient = true;
-  const LoadedGraph loaded =
-      load("VERTEX_SE2 0 1 2 3\nFOO 1 2\nBAR\nFOO 3\n", engine, diagnostics, options);
+  const LoadedGraph loaded = testing::loadText("VERTEX_SE2 0 1 2 3\nFOO 1 2\nBAR\nFOO 3\n",
+                                               engine.registry(), diagnostics, options);
   EXPECT_EQ(loaded.counts.skipped_lines, 3u);
   EXPECT_NE(diagnostics.text().find("g.g2o:3: warning: unknown tag 'BAR'"), std::string::npos);
   EXPECT_NE(diagnostics.text().find("3 lines with unknown tags skipped"), std::string::npos);

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "core/linear/block_cholesky.hpp"
-#include "tests/core/linear/block_matrix.hpp"
+#include "tests/support/block_matrix.hpp"
 
 namespace graft {
 namespace {

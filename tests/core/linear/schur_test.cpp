@@ -7,7 +7,7 @@
 #include "core/linear/block_cholesky.hpp"
 #include "core/linear/schur_pattern.hpp"
 #include "core/linear/selected_inverse.hpp"
-#include "tests/core/linear/block_matrix.hpp"
+#include "tests/support/block_matrix.hpp"
 
 namespace graft {
 namespace {

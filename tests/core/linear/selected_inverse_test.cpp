@@ -5,7 +5,7 @@
 
 #include <Eigen/Dense>
 
-#include "tests/core/linear/block_matrix.hpp"
+#include "tests/support/block_matrix.hpp"
 
 namespace graft {
 namespace {

@@ -57,6 +57,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"major", "plugin ABI mismatch: abi_major is 99, this program has 1", false},
         BadCase{"minor", "abi_minor is [0-9]+, this program has [0-9]+ \\(it is newer\\)", false},
         BadCase{"size", "size_of_edge_type is [0-9]+, this program has [0-9]+", false},
+        BadCase{"older_size", "size_of_registrar is [0-9]+, this program has [0-9]+", false},
         BadCase{"sanitizer", "sanitizers is [0-9], this program has [0-9]", false},
         BadCase{"isa", "needs a processor with unknown features", false},
         BadCase{"magic", "not a plugin: its stamp has the wrong magic number", false},
@@ -81,6 +82,12 @@ std::string failureOf(const std::string& file) {
     return e.formatted();
   }
   return "was loaded";
+}
+
+TEST(OlderPlugin, OfThisMajorVersionIsLoaded) {
+  Engine engine;
+  engine.plugins().addFile(badPlugin("older"));
+  EXPECT_NE(engine.registry().kernel("Good_older"), nullptr);
 }
 
 TEST(NoPlugin, FilesOfOtherKindsSayWhy) {

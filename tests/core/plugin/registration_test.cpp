@@ -47,7 +47,8 @@ struct Offer {
               [](void*, const double*, const double*, std::int32_t*, graft_message*) -> int {
                 return GRAFT_OK;
               },
-              [](void*, const double*, double*, graft_message*) -> int { return GRAFT_OK; }};
+              [](void*, const double*, double*, graft_message*) -> int { return GRAFT_OK; },
+              nullptr};
     loader = {sizeof loader,
               "LOADER",
               "doc",
@@ -104,6 +105,7 @@ TEST(Registration, EveryDefectIsRefusedWithTypeAndField) {
       {[](Offer& o) { o.kernel.name = long_tag.c_str(); }, "too long"},
       {[](Offer& o) { o.vertex.doc = ""; }, "VERTEX_SE2: doc is empty"},
       {[](Offer& o) { o.vertex.struct_size = 8; }, "VERTEX_SE2: struct_size is 8, expected "},
+      {[](Offer& o) { o.solver.struct_size = 8; }, "SOLVER: struct_size is 8, expected "},
       {[](Offer& o) { o.vertex.ambient_dim = 0; }, "VERTEX_SE2: ambient_dim"},
       {[](Offer& o) { o.vertex.ambient_dim = -1; }, "VERTEX_SE2: ambient_dim"},
       {[](Offer& o) { o.vertex.tangent_dim = 1000000000; }, "VERTEX_SE2: tangent_dim"},

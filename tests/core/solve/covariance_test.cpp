@@ -10,11 +10,11 @@
 #include "core/base/error.hpp"
 #include "core/geometry/se2.hpp"
 #include "core/graph/factor_graph.hpp"
-#include "core/io/graph_loader.hpp"
 #include "core/linear/selected_inverse.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/linearizer.hpp"
 #include "core/solve/normal_equations.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -216,9 +216,7 @@ TEST_F(CovarianceTest, NamesAVertexThatIsNotDetermined) {
 /// Marginals of a real graph against solutions with unit vectors.
 TEST_F(CovarianceTest, AgreesWithSolvingOnTheSphere) {
   GRAFT_REQUIRE_DATA("pose_graphs/sphere2500.g2o");
-  Diagnostics diagnostics;
-  const LoadedGraph loaded = loadGraph(testing::dataPath("pose_graphs/sphere2500.g2o"),
-                                       engine_.registry(), {}, diagnostics);
+  const LoadedGraph loaded = testing::loadData("pose_graphs/sphere2500.g2o", engine_.registry());
   const std::vector<VertexRef> vertices = loaded.graph.verticesById();
   const std::vector<Eigen::MatrixXd> marginals =
       marginalCovariances(loaded.graph, loaded.values, vertices);

@@ -7,9 +7,9 @@
 #include <random>
 #include <set>
 
-#include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -18,8 +18,7 @@ namespace {
 class GraduatedData : public ::testing::Test {
  protected:
   LoadedGraph load(const std::string& path) {
-    Diagnostics diagnostics;
-    return loadGraph(testing::dataPath(path), engine_.registry(), {}, diagnostics);
+    return testing::loadData(path, engine_.registry());
   }
 
   /// Adds false closures until `share` of all closures are false: between any two vertices,

@@ -10,9 +10,9 @@
 #include "core/geometry/se2.hpp"
 #include "core/geometry/se3.hpp"
 #include "core/graph/factor_graph.hpp"
-#include "core/io/graph_loader.hpp"
 #include "core/plugin/engine.hpp"
 #include "core/solve/optimizer.hpp"
+#include "tests/support/graphs.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace graft {
@@ -198,8 +198,7 @@ TEST_P(SharedGraphs, LeadToTheReferenceOptimum) {
   GRAFT_REQUIRE_DATA(path);
   Engine engine;
   for (const InitialGuess wanted : {InitialGuess::kChordal, InitialGuess::kAuto}) {
-    Diagnostics diagnostics;
-    LoadedGraph loaded = loadGraph(testing::dataPath(path), engine.registry(), {}, diagnostics);
+    LoadedGraph loaded = testing::loadData(path, engine.registry());
     SolveOptions options;
     options.initial_guess = wanted;
     const Summary summary = optimize(loaded.graph, loaded.values, engine.registry(), options);

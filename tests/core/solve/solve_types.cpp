@@ -32,39 +32,41 @@ namespace testing {
 
 namespace {
 
-struct Between2 : Edge<Between2, 3, SE2, SE2>, Measured<Pose2> {
+/// A relative pose is measured.
+template <class Self, int N, template <class> class P>
+struct Between : Edge<Self, N, P, P>, Measured<P<double>> {
+  template <class T>
+  Vec<T, N> error(const P<T>& a, const P<T>& b) const {
+    return poseError(this->measurement.inverse().template cast<T>() * (a.inverse() * b));
+  }
+  bool propagate(int to, P<double>& a, P<double>& b) const {
+    (to == 1 ? b : a) = to == 1 ? a * this->measurement : b * this->measurement.inverse();
+    return true;
+  }
+};
+
+struct Between2 : Between<Between2, 3, SE2> {
   static constexpr auto tag = "TEST_BETWEEN2";
   static constexpr auto doc = "relative pose in the plane";
-  template <class T>
-  Vec<T, 3> error(const SE2<T>& a, const SE2<T>& b) const {
-    return poseError(measurement.inverse().cast<T>() * (a.inverse() * b));
-  }
-  bool propagate(int to, SE2<double>& a, SE2<double>& b) const {
-    (to == 1 ? b : a) = to == 1 ? a * measurement : b * measurement.inverse();
-    return true;
-  }
 };
 
-struct Between3 : Edge<Between3, 6, SE3, SE3>, Measured<Pose> {
+struct Between3 : Between<Between3, 6, SE3> {
   static constexpr auto tag = "TEST_BETWEEN3";
   static constexpr auto doc = "relative pose in space";
+};
+
+/// Where a point is is measured.
+template <class Self>
+struct Pull : Edge<Self, 2, TestPoint2>, Measured<Numbers<2>> {
   template <class T>
-  Vec<T, 6> error(const SE3<T>& a, const SE3<T>& b) const {
-    return poseError(measurement.inverse().cast<T>() * (a.inverse() * b));
-  }
-  bool propagate(int to, SE3<double>& a, SE3<double>& b) const {
-    (to == 1 ? b : a) = to == 1 ? a * measurement : b * measurement.inverse();
-    return true;
+  Vec<T, 2> error(const TestPoint2<T>& p) const {
+    return p.coordinates - this->measurement.values.template cast<T>();
   }
 };
 
-struct Prior : Edge<Prior, 2, TestPoint2>, Measured<Numbers<2>> {
+struct Prior : Pull<Prior> {
   static constexpr auto tag = "TEST_PRIOR";
   static constexpr auto doc = "a point is at x y";
-  template <class T>
-  Vec<T, 2> error(const TestPoint2<T>& p) const {
-    return p.coordinates - measurement.values.cast<T>();
-  }
 };
 
 struct Difference : Edge<Difference, 2, TestPoint2, TestPoint2>, Measured<Numbers<2>> {
@@ -155,34 +157,26 @@ struct Beyond : Edge<Beyond, 1, TestPoint2>, Measured<Numbers<3>>, Associated<1>
   }
 };
 
-struct NotFinite : Edge<NotFinite, 2, TestPoint2>, Measured<Numbers<2>> {
+struct NotFinite : Pull<NotFinite> {
   static constexpr auto tag = "TEST_NAN";
   static constexpr auto doc = "pulls to x y, but is not finite where x > 5";
   template <class T>
   Vec<T, 2> error(const TestPoint2<T>& p) const {
-    Vec<T, 2> e = p.coordinates - measurement.values.cast<T>();
+    Vec<T, 2> e = Pull<NotFinite>::error(p);
     if (valueOf(p.coordinates[0]) > 5) e[0] = T(std::numeric_limits<double>::quiet_NaN());
     return e;
   }
 };
 
-struct Forgets : Edge<Forgets, 2, TestPoint2>, Measured<Numbers<2>> {
+struct Forgets : Pull<Forgets> {
   static constexpr auto tag = "TEST_FORGETS";
   static constexpr auto doc = "leaves its Jacobian unwritten";
-  template <class T>
-  Vec<T, 2> error(const TestPoint2<T>& p) const {
-    return p.coordinates - measurement.values.cast<T>();
-  }
   void jacobians(const TestPoint2<double>&, JacobianBlock<2, 2>) const {}
 };
 
-struct Wrong : Edge<Wrong, 2, TestPoint2>, Measured<Numbers<2>> {
+struct Wrong : Pull<Wrong> {
   static constexpr auto tag = "TEST_WRONG";
   static constexpr auto doc = "has a Jacobian of the wrong sign";
-  template <class T>
-  Vec<T, 2> error(const TestPoint2<T>& p) const {
-    return p.coordinates - measurement.values.cast<T>();
-  }
   void jacobians(const TestPoint2<double>&, JacobianBlock<2, 2> block) const {
     block = -Mat<double, 2>::Identity();
   }
@@ -269,7 +263,8 @@ const graft_solver_type kDense = {
       Eigen::Map<Eigen::VectorXd>(x, n) =
           solver.factor.solve(Eigen::Map<const Eigen::VectorXd>(b, n));
       return GRAFT_OK;
-    }};
+    },
+    nullptr};
 
 int registerTypes(const graft_registrar* registrar, graft_message*) {
   PluginRegistry types(registrar);

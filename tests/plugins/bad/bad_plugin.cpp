@@ -24,6 +24,13 @@ const Marker marker;
   stamp.abi_major = 99;
 #elif defined(GRAFT_BAD_MINOR)
   stamp.abi_minor = GRAFT_ABI_MINOR + 1;
+#elif defined(GRAFT_BAD_OLDER)
+  // No defect: before initial guesses came, the registrar had one entry less.
+  stamp.abi_minor = 1;
+  stamp.size_of_registrar -= sizeof(void*);
+#elif defined(GRAFT_BAD_OLDER_SIZE)
+  stamp.abi_minor = 1;
+  stamp.size_of_registrar += sizeof(void*);
 #elif defined(GRAFT_BAD_SIZE)
   stamp.size_of_edge_type += 8;
 #elif defined(GRAFT_BAD_SANITIZER)

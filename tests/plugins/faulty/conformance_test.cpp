@@ -107,6 +107,7 @@ INSTANTIATE_TEST_SUITE_P(
         PlantedFault{"solver_damping", "faulty_dense", "solve", "with damping: relative error"},
         PlantedFault{"solver_indefinite", "faulty_dense", "factorize.indefinite", "accepts"},
         PlantedFault{"solver_nan", "faulty_dense", "factorize.not_finite", "accepts"},
+        PlantedFault{"solver_bytes_nan", "faulty_dense", "solve", "factor_bytes\\(\\) gives nan"},
         PlantedFault{"solver_state", "faulty_dense", "solve.state", "the second time"},
         PlantedFault{"solver_overrun", "faulty_dense", "solve", "beside x"}),
     [](const auto& info) { return std::string(info.param.name); });

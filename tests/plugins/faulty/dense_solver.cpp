@@ -106,6 +106,9 @@ const graft_solver_type kType = {
     [](void* self, const double* b, double* x, graft_message*) -> int {
       of(self).solve(b, x);
       return GRAFT_OK;
+    },
+    [](void*) {
+      return fault("solver_bytes_nan") ? std::nan("") : fault("solver_bytes") ? 1e18 : 0;
     }};
 
 }  // namespace

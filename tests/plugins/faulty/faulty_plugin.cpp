@@ -327,10 +327,15 @@ const void* loadNumber(const char*, std::int32_t count, const char* const* token
   return nullptr;
 }
 
-const graft_resource_type kResource = {
-    sizeof kResource, "FAULTY_NUMBER",
-    "one number",     "number",
-    &loadNumber,      [](const void* resource) { delete static_cast<const double*>(resource); }};
+const graft_resource_type kResource = {sizeof kResource,
+                                       "FAULTY_NUMBER",
+                                       "one number",
+                                       "number",
+                                       &loadNumber,
+                                       [](const void* resource) {
+                                         spoil("destroy");
+                                         delete static_cast<const double*>(resource);
+                                       }};
 
 int recognizes(const char*, const char* head, std::int64_t size) {
   spoil("recognizes");
@@ -338,6 +343,11 @@ int recognizes(const char*, const char* head, std::int64_t size) {
 }
 
 int loadNothing(const char*, const graft_graph_sink* sink) {
+  // Alive as long as it calls back.
+  for (int i = 0; i < 30 && fault("loads_slowly"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    sink->report(sink->host, 0, nullptr, 0, 0, "still there");
+  }
   spoil("loader");
   if (fault("loads_nothing")) return GRAFT_OK;
   sink->report(sink->host, 2, nullptr, 0, 0, "this format holds nothing");
@@ -349,6 +359,7 @@ const graft_loader_type kLoader = {sizeof kLoader, "faulty",    "nothing",
 
 /// Shifts every vertex that it may by (1, 0).
 int guess(const graft_guess_problem* problem, graft_message* message) {
+  spoil("guess");
   static int calls = 0;
   ++calls;
   if (fault("guess_silent")) return GRAFT_FAILED;

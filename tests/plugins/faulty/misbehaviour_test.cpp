@@ -76,6 +76,8 @@ TEST_P(Misbehaving, IsNamedAndLeavesTheOutputAlone) {
 }
 
 constexpr const char* kSolver = "--linear-solver faulty_dense";
+constexpr const char* kGuess = "--initial-guess faulty_shift";
+constexpr const char* kImpatient = "--plugin-patience 1";
 constexpr const char* kKernel = "--robust-kernel FaultyCauchy";
 
 INSTANTIATE_TEST_SUITE_P(
@@ -97,12 +99,17 @@ INSTANTIATE_TEST_SUITE_P(
         Spoiled{"throws_in_solver", kSolver, 4,
                 "linear solver faulty_dense failed: thrown by the plugin"},
         Spoiled{"throws_in_resource", "", 7,
-                "error: FAULTY_NUMBER: load\\(\\) threw an exception: thrown"},
+                "error: FAULTY_NUMBER: load\\(\\) threw an exception: thrown by the plugin "
+                "\\(input: g\\.g2o:8\\)"},
         Spoiled{"throws_in_recognizes", "", 7, "error: faulty: the loader threw an exception"},
-        Spoiled{"throws_in_loader", "", 7, "error: faulty: the loader threw an exception"},
+        Spoiled{"throws_in_loader", "", 7,
+                "error: faulty: the loader threw an exception: thrown by the plugin \\(input: "
+                "g\\.faulty\\)"},
+        Spoiled{"throws_in_guess", kGuess, 4,
+                "no initial guess faulty_shift: thrown by the plugin \\(plugin .*faulty\\.so\\)"},
         Spoiled{"crashes_in_evaluate", "", 7,
                 "error: FAULTY_EDGE: evaluate\\(\\) crashed: signal 11 \\(Segmentation fault\\); "
-                "outputs that were not complete are as they were before\n$"},
+                "outputs that were not complete are as they were before; input: g\\.g2o\n$"},
         Spoiled{"crashes_in_evaluate", "--threads 3", 7, "FAULTY_EDGE: evaluate\\(\\) crashed"},
         Spoiled{"aborts_in_evaluate", "", 7, "evaluate\\(\\) crashed: signal 6 \\(Aborted\\)"},
         Spoiled{"crashes_in_associate", "", 7, "FAULTY_NEAREST: associate\\(\\) crashed"},
@@ -113,14 +120,37 @@ INSTANTIATE_TEST_SUITE_P(
         Spoiled{"crashes_in_shape", "", 7, "FAULTY_SUM: shape\\(\\) crashed"},
         Spoiled{"crashes_in_kernel", kKernel, 7, "FaultyCauchy: evaluate\\(\\) crashed"},
         Spoiled{"crashes_in_solver", kSolver, 7, "faulty_dense: the linear solver crashed"},
-        Spoiled{"crashes_in_resource", "", 7, "FAULTY_NUMBER: load\\(\\) crashed"},
+        Spoiled{"crashes_in_resource", "", 7,
+                "FAULTY_NUMBER: load\\(\\) crashed: signal 11 .*; input: g\\.g2o:8\n"},
         Spoiled{"crashes_in_recognizes", "", 7, "faulty: the loader crashed"},
-        Spoiled{"crashes_in_loader", "", 7, "faulty: the loader crashed"},
+        Spoiled{"crashes_in_loader", "", 7,
+                "faulty: the loader crashed: signal 11 .*; input: g\\.faulty\n"},
+        Spoiled{"crashes_in_guess", kGuess, 7,
+                "faulty_shift: guess\\(\\) crashed: signal 11 .*; input: g\\.g2o\n"},
+        Spoiled{"aborts_in_resource", "", 7, "FAULTY_NUMBER: load\\(\\) crashed: signal 6"},
+        Spoiled{"aborts_in_loader", "", 7, "faulty: the loader crashed: signal 6"},
+        Spoiled{"aborts_in_guess", kGuess, 7, "faulty_shift: guess\\(\\) crashed: signal 6"},
         Spoiled{"exits_in_evaluate", "", 7, "error: FAULTY_EDGE: evaluate\\(\\) ended the program"},
         Spoiled{"exits_in_plus", "", 7, "FAULTY_POINT: plus\\(\\) ended the program"},
         Spoiled{"exits_in_normalize", "", 7, "FAULTY_POINT: normalize\\(\\) ended the program"},
         Spoiled{"exits_in_solver", kSolver, 7, "faulty_dense: the linear solver ended"},
-        Spoiled{"exits_in_loader", "", 7, "faulty: the loader ended the program"},
+        Spoiled{"exits_in_loader", "", 7,
+                "faulty: the loader ended the program.*; input: g\\.faulty\n"},
+        Spoiled{"exits_in_recognizes", "", 7, "faulty: the loader ended the program"},
+        Spoiled{"exits_in_resource", "", 7,
+                "FAULTY_NUMBER: load\\(\\) ended the program.*; input: g\\.g2o:8\n"},
+        Spoiled{"exits_in_guess", kGuess, 7,
+                "faulty_shift: guess\\(\\) ended the program.*; input: g\\.g2o\n"},
+        Spoiled{"hangs_in_loader", kImpatient, 7,
+                "faulty: the loader has not returned for 1 s, the limit of --plugin-patience is 1 "
+                "s; .*; input: g\\.faulty\n"},
+        Spoiled{"hangs_in_recognizes", kImpatient, 7, "faulty: the loader has not returned for 1"},
+        Spoiled{"hangs_in_resource", kImpatient, 7,
+                "FAULTY_NUMBER: load\\(\\) has not returned for 1 s, .*; input: g\\.g2o:8\n"},
+        Spoiled{"hangs_in_normalize", kImpatient, 7,
+                "FAULTY_POINT: normalize\\(\\) has not returned for 1 s"},
+        Spoiled{"hangs_in_guess", "--initial-guess faulty_shift --plugin-patience 1", 7,
+                "faulty_shift: guess\\(\\) has not returned for 1 s, .*; input: g\\.g2o\n"},
         Spoiled{"overrun", "", 4,
                 "FAULTY_EDGE: evaluate\\(\\) writes behind the end of its errors"},
         Spoiled{"overrun_jacobian", "", 4,
@@ -139,6 +169,17 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+TEST(SolverOfAPlugin, WhoseFactorDoesNotFitIsNotBegun) {
+  const Optimized run("solver_bytes", kSolver);
+  EXPECT_EQ(run.result.exit_code, 4) << run.result.err;
+  EXPECT_TRUE(std::regex_search(
+      run.result.err,
+      std::regex("no usable result: the factor of the normal equations needs 1000 PB, .* are free; "
+                 "an iterative linear solver, such as pcg, makes no factor")))
+      << run.result.err;
+  EXPECT_EQ(run.output(), "earlier result");
+}
+
 /// Many batches of edges, each of which takes a while with "sleeps_in_evaluate".
 std::string manyEdges() {
   std::string text = kVertices;
@@ -156,6 +197,23 @@ TEST(LongCalls, ACallThatNeverReturnsEndsWithTheTimeLimit) {
       << run.result.err;
   EXPECT_EQ(run.output(), "earlier result");
   EXPECT_EQ(run.strangers(), 0);
+}
+
+TEST(LongCalls, ALoaderThatCallsBackIsNoHang) {
+  const Optimized run("loads_slowly", "--plugin-patience 0.5", "FAULTY\n", "g.faulty");
+  EXPECT_EQ(run.result.exit_code, 3) << run.result.err;
+  EXPECT_NE(run.result.err.find("this format holds nothing"), std::string::npos) << run.result.err;
+}
+
+/// What ends a resource's life comes after the outputs.
+TEST(LongCalls, ACrashAtTheEndIsNamedAndTheOutputIsThere) {
+  if (detail::sanitizerBits() != 0) GTEST_SKIP() << "the sanitizer reports crashes";
+  const Optimized run("crashes_in_destroy");
+  EXPECT_EQ(run.result.exit_code, 7) << run.result.err;
+  EXPECT_NE(run.result.err.find("error: FAULTY_NUMBER: destroy() crashed: signal 11"),
+            std::string::npos)
+      << run.result.err;
+  EXPECT_NE(run.output().find("FAULTY_POINT 2 "), std::string::npos) << run.output();
 }
 
 TEST(LongCalls, SlowCallsAreNoHang) {

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/base/temporary.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "core/base/error.hpp"
+
+namespace graft {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kPattern = "XXXXXX";
+constexpr std::size_t kPatternSize = 6;
+constexpr const char* kStaging = ".graft-staging-";
+
+/// Whether an entry is a file (or folder) of ours that no process holds.
+bool isStale(const std::string& path, mode_t kind) {
+  const Descriptor entry(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat opened {};
+  struct stat named {};
+  return entry.get() >= 0 && ::fstat(entry.get(), &opened) == 0 &&
+         (opened.st_mode & S_IFMT) == kind && opened.st_uid == ::geteuid() &&
+         ::flock(entry.get(), LOCK_EX | LOCK_NB) == 0 && ::lstat(path.c_str(), &named) == 0 &&
+         named.st_dev == opened.st_dev && named.st_ino == opened.st_ino;
+}
+
+std::vector<std::string> staleEntries(const std::string& folder, const std::string& head,
+                                      mode_t kind) {
+  std::vector<std::string> stale;
+  const std::unique_ptr<DIR, int (*)(DIR*)> stream(::opendir(folder.c_str()), &::closedir);
+  if (!stream) return stale;
+  while (const dirent* entry = ::readdir(stream.get())) {
+    const std::string name = entry->d_name;
+    if (name.size() != head.size() + kPatternSize || name.compare(0, head.size(), head) != 0) {
+      continue;
+    }
+    if (isStale(folder + "/" + name, kind)) stale.push_back(folder + "/" + name);
+  }
+  return stale;
+}
+
+/// Locks what was just made. False if another run took it for stale before that.
+bool lock(int fd) {
+  // A file system without locks has no stale entries removed either.
+  while (::flock(fd, LOCK_EX) != 0 && errno == EINTR) continue;
+  struct stat status {};
+  return ::fstat(fd, &status) == 0 && status.st_nlink > 0;
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ > 2) ::close(fd_);
+}
+
+void failOutput(const std::string& path, const std::string& why) {
+  throw Error(ExitCode::kOutput, {path, 0, 0}, why);
+}
+
+std::string parentOf(const std::string& path) {
+  const fs::path parent = fs::path(path).parent_path();
+  return parent.empty() ? std::string(".") : parent.string();
+}
+
+bool writeAll(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(fd, content.data(), content.size());
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      return false;
+    }
+    if (written == 0) {
+      errno = ENOSPC;
+      return false;
+    }
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+bool syncFolder(const std::string& folder) {
+  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return opened.get() >= 0 && (::fsync(opened.get()) == 0 || errno == EINVAL);
+}
+
+int makeTemporary(const std::string& path, std::string& name) {
+  const std::string head = ".graft-" + fs::path(path).filename().string().substr(0, 200) + "-";
+  const std::string folder = parentOf(path);
+  for (const std::string& stale : staleEntries(folder, head, S_IFREG)) ::unlink(stale.c_str());
+  for (;;) {
+    name = folder + "/" + head + kPattern;
+    const int fd = ::mkostemp(name.data(), O_CLOEXEC);
+    if (fd < 0) failOutput(path, std::strerror(errno));
+    if (lock(fd)) return fd;
+    ::close(fd);
+  }
+}
+
+int makeTemporaryFolder(const std::string& folder, std::string& name) {
+  for (;;) {
+    name = folder + "/" + kStaging + kPattern;
+    if (::mkdtemp(name.data()) == nullptr) failOutput(folder, std::strerror(errno));
+    const int fd = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0 && lock(fd)) return fd;
+    const int why = errno;
+    if (fd >= 0) {
+      ::close(fd);
+      continue;
+    }
+    ::rmdir(name.c_str());
+    if (why != ENOENT) failOutput(folder, std::strerror(why));
+  }
+}
+
+void removeStaleFolders(const std::string& folder) {
+  std::error_code ignored;
+  for (const std::string& stale : staleEntries(folder, kStaging, S_IFDIR)) {
+    fs::remove_all(stale, ignored);
+  }
+}
+
+}  // namespace graft
