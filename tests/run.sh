@@ -5,6 +5,7 @@
 #   BUILD_DIR   where to build (default: build)
 #   BUILD_TYPE  CMake build type (default: Release)
 #   SANITIZE    e.g. address,undefined (default: none)
+#   TARGETS     what to build, where -R picks tests that need no more (default: all)
 #   GRAFT_DATA  folder of the evaluation data; tests that need it are skipped without
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -17,5 +18,6 @@ cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE="${BUILD_TYPE:-Release}" \
   exit 1
 }
 rm -f "$build.configure.log"
-cmake --build "$build"
+read -ra targets <<<"${TARGETS:-all}"
+cmake --build "$build" --target "${targets[@]}"
 ctest --test-dir "$build" --output-on-failure -j "$(nproc)" "$@"
