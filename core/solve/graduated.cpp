@@ -2,10 +2,8 @@
 #include "core/solve/graduated.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
-#include "core/base/error.hpp"
 #include "core/solve/consensus.hpp"
 #include "core/solve/flips.hpp"
 

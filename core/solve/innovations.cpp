@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <functional>
 #include <random>
 
 #include "core/linear/selected_inverse.hpp"
