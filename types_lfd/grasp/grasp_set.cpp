@@ -49,7 +49,7 @@ bool parseRow(std::string_view line, SourceLocation where, double* values,
   return true;
 }
 
-bool checkRow(const double* values, SourceLocation where, Diagnostics& diagnostics) {
+bool checkRow(const double* values, const SourceLocation& where, Diagnostics& diagnostics) {
   const double length =
       std::hypot(std::hypot(values[3], values[4]), std::hypot(values[5], values[6]));
   if (!(length > 0.5 && length < 2.0)) {

@@ -57,7 +57,8 @@ ReachTrial sampleReachTrial(const Chain& chain, const ReachOracle& oracle, int c
   }
   while (trial.unreachable.size() < wanted) {
     Pose pose = chain.forward(sampleAllowed(chain, random));
-    pose.translation += uniform(random, 0, away) * direction(random);
+    const Eigen::Vector3d towards = direction(random);
+    pose.translation += uniform(random, 0, away) * towards;
     if (!oracle(pose)) trial.unreachable.push_back(pose);
   }
   return trial;

@@ -37,12 +37,15 @@ void drawTrackers(Scenario& s, double hand_t, double hand_r, double object_r, Ra
 void drawHold(Scenario& s, bool bar_is_vertical, Random& random) {
   const double roll = bar_is_vertical ? 0 : 90 * kDegree;
   s.bar = bar_is_vertical ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d askew(random.uniform(-4, 4) * kDegree, random.uniform(2, 9) * kDegree,
-                              random.uniform(-7, 7) * kDegree);
-  s.object_T_hand =
-      Pose(Eigen::Vector3d(random.uniform(-0.045, -0.028), 0, random.uniform(-0.004, 0.008)) +
-               random.uniform(-0.012, 0.012) * s.bar,
-           expSO3<double>(Eigen::Vector3d(roll, 0, 0)) * expSO3<double>(askew));
+  // One after the other: compilers evaluate arguments in different orders.
+  const double yaw = random.uniform(-7, 7) * kDegree;
+  const double pitch = random.uniform(2, 9) * kDegree;
+  const Eigen::Vector3d askew(random.uniform(-4, 4) * kDegree, pitch, yaw);
+  const double along = random.uniform(-0.012, 0.012);
+  const double above = random.uniform(-0.004, 0.008);
+  const Eigen::Vector3d palm(random.uniform(-0.045, -0.028), 0, above);
+  s.object_T_hand = Pose(palm + along * s.bar,
+                         expSO3<double>(Eigen::Vector3d(roll, 0, 0)) * expSO3<double>(askew));
 }
 
 void drawRoomDoor(Scenario& s, Random& random) {
@@ -215,8 +218,10 @@ Scenario drawScenario(const std::string& task_name, std::uint64_t seed,
   applyNoise(options, s.object_tracker);
   applyNoise(options, s.torso_tracker);
   Random place(seed, 2, 0);
-  s.world_T_scene = Pose(Eigen::Vector3d(place.uniform(-1, 1), place.uniform(-1, 1), 0),
-                         expSO3<double>(Eigen::Vector3d(0, 0, place.uniform(-180, 180) * kDegree)));
+  const double turn = place.uniform(-180, 180) * kDegree;
+  const double y = place.uniform(-1, 1);
+  s.world_T_scene = Pose(Eigen::Vector3d(place.uniform(-1, 1), y, 0),
+                         expSO3<double>(Eigen::Vector3d(0, 0, turn)));
   Random rooms(seed, 3, 0);
   drawRooms(s, options, rooms);
   return s;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "types_lfd/teach/scenario.hpp"
 #include "types_lfd/teach/smooth_path.hpp"
 #include "types_lfd/teach/tracker.hpp"
 
@@ -138,6 +139,15 @@ TEST(Tracker, LosesFramesSinglyAndInBursts) {
     }
     EXPECT_GE(longest, 5);  // a burst hides at least four frames
   }
+}
+
+// The numbers are those of both g++ and clang, which evaluate arguments in different orders.
+TEST(Random, SceneOfASeedIsTheSameForEveryCompiler) {
+  const Scenario scene = drawScenario("sliding_door", 22, TeachOptions());
+  EXPECT_NEAR(scene.object_T_hand.translation.x(), -0.033298393608872719, 1e-12);
+  EXPECT_NEAR(scene.object_T_hand.translation.z(), 0.0050534894578917978, 1e-12);
+  EXPECT_NEAR(scene.world_T_scene.translation.x(), 0.89872991910452704, 1e-12);
+  EXPECT_NEAR(scene.world_T_scene.translation.y(), -0.86564026514547221, 1e-12);
 }
 
 }  // namespace
