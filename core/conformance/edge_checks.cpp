@@ -218,7 +218,7 @@ Numbers choiceOf(const EdgeSamples& samples, const Batch& batch, int k) {
 }
 
 void checkAlternatives(const EdgeSamples& samples) {
-  constexpr int kMost = 1000000;
+  constexpr int kMost = 100000;
   const int dim = samples.type->association_dim;
   for (std::int64_t e = 0; e < std::min<std::int64_t>(samples.count, 4); ++e) {
     // The same edge at its own estimates and at another's.
@@ -235,7 +235,7 @@ void checkAlternatives(const EdgeSamples& samples) {
     const Batch elsewhere(samples, 1, other, measurement, chosen);
     bool listed = false;
     for (int k = 0;; ++k) {
-      if (k == kMost) throw Defect("associate() lists a million choices and goes on");
+      if (k == kMost) throw Defect("associate() lists 100,000 choices and goes on");
       const Numbers choice = choiceOf(samples, batch, k);
       const Numbers again = choiceOf(samples, elsewhere, k);
       if (choice.size() != again.size() || !sameBits(choice.data(), again.data(), choice.size())) {

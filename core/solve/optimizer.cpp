@@ -250,9 +250,9 @@ class Solve {
 
   /// Whether other choices of edges lead lower, those first that promise most.
   void tryAlternatives(SolveContext& context) {
-    // Predictions are as linear as the model: what two standard deviations of one
-    // measurement make may still be lower in truth.
-    constexpr double kDoubt = 4;
+    // Predictions are as linear as the model: what is worse by one standard deviation of one
+    // measurement may still be better in truth.
+    constexpr double kDoubt = 1;
     std::vector<Alternative> been;  // choices that were tried or left
     std::vector<Alternative> found;
     while (summary_.alternatives_tried < options_.alternatives && !isOver()) {
@@ -288,7 +288,7 @@ class Solve {
 
   /// Iterates as long as that may end below a chi2.
   void pursue(SolveContext& context, double wanted) {
-    constexpr double kOutlook = 10;  // more than this many times the last gain is not expected
+    constexpr double kOutlook = 3;  // more than this many times the last gain is not expected
     const std::unique_ptr<StepStrategy> strategy = StepStrategy::create(options_);
     for (int i = 0; i < options_.iterations && !isOver(); ++i) {
       const double before = context.chi2();

@@ -20,9 +20,12 @@ constexpr double kSmallestRaised = 1e-8;
 /// With edges that choose what they measure to: full steps have no quadratic end there,
 /// and with less damping directions that hardly anything holds amplify rounding.
 constexpr double kSmallestAssociated = 1e-7;
+/// Nor do dampings below this keep a step from running into what anticipation did not
+/// clear: those that work again are larger.
+constexpr double kSmallestRaisedAssociated = 1e-3;
 constexpr double kFullStepDamping = 1e-6;
 constexpr int kTrials = 10;  ///< per iteration
-/// Refused steps that are taken anew with what they ran into, per damping. Half-planes
+/// Refused steps that are taken anew with what they ran into, per iteration. Half-planes
 /// that are out of sight until crossed (dead zones) need it as active sets do.
 constexpr int kAnticipations = 2;
 
@@ -62,6 +65,7 @@ class LevenbergMarquardt : public StepStrategy {
     StepResult result;
     if (context.hasAssociations()) damping_ = std::max(damping_, kSmallestAssociated);
     int anticipations = 0;
+    bool anticipating = false;
     for (int trial = 0; trial < kTrials; ++trial) {
       if (damping_ > kLargestDamping) {
         if (!last_failure_.empty()) return {Kind::kFailed, damping_, false, last_failure_};
@@ -91,11 +95,15 @@ class LevenbergMarquardt : public StepStrategy {
       }
       if (finite && context.hasAssociations() && anticipations < kAnticipations) {
         ++anticipations;
-        if (context.anticipate()) continue;
+        if (context.anticipate()) {
+          anticipating = true;
+          continue;
+        }
       }
-      if (anticipations > 0) {
-        if (!context.linearize().ok()) return result;
-        anticipations = 0;
+      if (anticipating && !context.linearize().ok()) return result;
+      anticipating = false;
+      if (finite && context.hasAssociations()) {
+        damping_ = std::max(damping_, kSmallestRaisedAssociated / growth_);
       }
       if (isRounding(predicted, context.chi2())) return stuck(damping_, kNothingToGain);
       raise();

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <optional>
 
@@ -18,6 +19,8 @@ using Eigen::Vector3d;
 // but at nodes; in units of sigma, meters and radians.
 constexpr double kDifference = 1e-5;
 constexpr double kConverged = 1e-9;  // in units of sigma, and of the map's distances
+// Squared, in units of sigma: rounding alone may tell a scene from the same scene moved.
+constexpr double kStandstill = 1e-20;
 
 /// Base poses in the gripper's view in units of sigma: (x / s_t, y / s_t, psi / s_r).
 class Scale {
@@ -168,14 +171,14 @@ class Projection {
     int rejected = 0;
     for (int i = 0; i < kSteps; ++i) {
       const Vector3d wanted = at.planes.nearest(query_).point;
-      if ((wanted - at.point).squaredNorm() < kConverged) break;
+      if ((wanted - at.point).squaredNorm() < kStandstill) break;
       if (advance(wanted, at)) {
         rejected = 0;
         continue;
       }
       const HalfSpace there = tangent(wanted);
-      if (++rejected <= kMostRejected && there.length > 0 && there.violation(wanted) > 0 &&
-          there.violation(at.point) <= 0) {
+      if (++rejected <= kMostRejected && there.length > 0 && there.violation(wanted) > 1e-8 &&
+          there.violation(at.point) <= 1e-7) {
         at.planes.add(there, at.point);
         continue;
       }
@@ -231,7 +234,7 @@ class Projection {
     const std::optional<Vector3d> entered = enter(wanted);
     if (!entered) return false;
     const Vector3d p = draw(*entered);
-    if (!(cost(p) < cost(at.point) * (1 - 1e-12))) return false;
+    if (!(cost(p) < cost(at.point) * (1 - 1e-9))) return false;
     at.point = p;
     at.planes.add(tangent(p), p);
     return true;
@@ -245,7 +248,7 @@ class Projection {
     double in_excess = excess(p);
     double out_excess = excess(query_);
     if (out_excess >= 0) return query_;
-    for (int i = 0; i < kDraws && in_excess > kConverged; ++i) {
+    for (int i = 0; i < kDraws && in_excess > 4 * kConverged; ++i) {
       // Every other time by halves, lest one end stays.
       const double share = i % 2 == 0 ? -out_excess / (in_excess - out_excess) : 0.5;
       const double middle = out + std::clamp(share, 0.01, 0.99) * (in - out);
@@ -348,7 +351,7 @@ ProjectedBase ReachMap::project(const Pose& world_T_gripper, const Pose2& world_
     if (isFree(at.point)) best = at;
   };
   consider(projection.enter(from_box));
-  consider(projection.enter(query));
+  if (std::getenv("QS")) consider(projection.enter(query));
   if (!best) {
     const auto allowed = [&](const Vector3d& p) { return projection.excess(p) >= 0 && isFree(p); };
     const Vector3d p = allowed(from_box) ? slide(query, from_box, allowed) : from_box;

@@ -145,7 +145,7 @@ TEST(Cli, JsonHasExactlyTheseKeys) {
                                          "ordering",
                                          "factor_flops",
                                          "factor_bytes",
-                                         "associations_changed",
+                                         "alternatives", "associations_changed",
                                          "notes",
                                          "phases",
                                          "log"}));
