@@ -71,7 +71,7 @@ struct SolveOptions {
   /// The same for graphs with edges that choose what they measure to (nearest
   /// grasp, nearest base): chi2 is smooth only until a choice changes, and what
   /// is left below this are changes of choice that only tiny steps get past.
-  double association_tolerance = 5e-5;
+  double association_tolerance = 1e-5;
   /// ... or when the step is shorter than this, relative to the estimates.
   double step_tolerance = 1e-10;
   /// ... or when every entry of the gradient is below this.

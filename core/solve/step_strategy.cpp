@@ -19,7 +19,7 @@ constexpr double kSmallestDamping = 1e-16;
 constexpr double kSmallestRaised = 1e-8;
 /// With edges that choose what they measure to: full steps have no quadratic end there,
 /// and with less damping directions that hardly anything holds amplify rounding.
-constexpr double kSmallestAssociated = 1e-7;
+constexpr double kSmallestAssociated = 1e-6;
 /// Nor do dampings below this keep a step from running into what anticipation did not
 /// clear: those that work again are larger.
 constexpr double kSmallestRaisedAssociated = 1e-3;

@@ -48,20 +48,6 @@ struct NearestBase {
   double cost = 0;
 };
 
-/// Answer of ReachMap::project.
-struct ProjectedBase : NearestBase {
-  /// An obstacle keeps the query off, not the arm's reach: the point does not move
-  /// with the gripper.
-  bool at_obstacle = false;
-  /// How the root of the cost changes while the base stays and the gripper rises
-  /// (1/m), points higher (1/rad) and rolls (1/rad); zero where the gripper points
-  /// so steeply that elevation and roll are no smooth coordinates, and for what
-  /// obstacles or other heights decide.
-  double by_height = 0;
-  double by_elevation = 0;
-  double by_roll = 0;
-};
-
 /// Where an upright base can stand so that the gripper reaches a pose: the
 /// inverse reachability map of a mobile robot on a flat floor. Base poses are
 /// base_link in the plane z = 0; gripper poses are in space.
@@ -116,13 +102,6 @@ class ReachMap {
   /// free.
   NearestBase nearest(const Pose& world_T_gripper, const Pose2& world_T_base, double sigma_t,
                       double sigma_r, const BaseFilter* filter = nullptr) const;
-
-  /// nearest(), carried on to a point of the set (not of a box) from which no way
-  /// along its border leads closer to the query. Boxes appear and vanish while the gripper moves;
-  /// this cost follows it continuously, except where another part of the set becomes
-  /// the nearer one. Its derivatives are those of an optimizer's residual.
-  ProjectedBase project(const Pose& world_T_gripper, const Pose2& world_T_base, double sigma_t,
-                        double sigma_r, const BaseFilter* filter = nullptr) const;
 
   /// What nearest() keeps: the distance (m) from the border, also when the base
   /// turns by margin_r (rad) to either side. Less than half a cell and a node's distance. Default:

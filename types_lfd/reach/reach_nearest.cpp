@@ -4,7 +4,8 @@
 #include <limits>
 #include <numeric>
 
-#include "types_lfd/reach/kept_set.hpp"
+#include "types_lfd/reach/reach_distance.hpp"
+#include "types_lfd/reach/tilt_slice.hpp"
 
 namespace graft::lfd {
 
@@ -12,6 +13,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Rounding of transforms between world and view must not leave the set.
+constexpr double kLeastMargin = 1e-6;
 constexpr int kBisections = 6;
 constexpr int kMostLayers = 2 * ReachGrid::kMostTurn;
 constexpr int kMostWords = (ReachGrid::kMostNodes + 63) / 64;
@@ -36,13 +39,17 @@ class BoxSearch {
         query_(query),
         weight_t_(1 / square(sigma_t)),
         weight_r_(1 / square(sigma_r)),
-        kept_(slice, grid.resolution, margin_t, margin_r),
-        margin_(kept_.margin()),
+        units_(ReachDistance::kDistanceUnits / grid.resolution),
+        margin_(std::max(margin_t, kLeastMargin) * units_),
         margin_r_(margin_r),
         turn_share_(margin_r / grid.nodeStep()) {}
 
   /// Reachable with the margins.
-  bool keeps(const Pose2& b) const { return kept_.keeps(b); }
+  bool keeps(const Pose2& b) const {
+    if (!(slice_.at(b) >= margin_)) return false;
+    return margin_r_ == 0 || (slice_.at(Pose2(b.x, b.y, b.theta - margin_r_)) >= margin_ &&
+                              slice_.at(Pose2(b.x, b.y, b.theta + margin_r_)) >= margin_);
+  }
 
   Candidate best() const {
     Candidate found;
@@ -305,7 +312,7 @@ class BoxSearch {
   Pose2 query_;
   double weight_t_;
   double weight_r_;
-  KeptSet kept_;
+  double units_;
   double margin_;
   double margin_r_;
   double turn_share_;

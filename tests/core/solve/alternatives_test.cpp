@@ -89,6 +89,7 @@ TEST(Alternatives, AnInterruptEndsTheSearch) {
   std::atomic<int> interrupt{0};
   TestGraph g = Chain(1).graph();
   SolveOptions options;
+  options.alternatives = 3;
   options.interrupt = &interrupt;
   options.callback = [&](const IterationRecord&, const Values&) {
     interrupt = 1;
