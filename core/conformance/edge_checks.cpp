@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 
 #include "core/conformance/derivative.hpp"
@@ -242,7 +243,7 @@ void checkAlternatives(const EdgeSamples& samples) {
         throw Defect("choice " + std::to_string(k) + " depends on the estimates");
       }
       if (choice.empty()) break;
-      listed = listed || sameBits(choice.data(), chosen, choice.size());
+      listed = listed || std::equal(choice.begin(), choice.end(), chosen);
     }
     if (!listed) throw Defect("associate() chooses what is not among the choices that it lists");
   }
