@@ -17,9 +17,7 @@ namespace {
 
 class GraduatedData : public ::testing::Test {
  protected:
-  LoadedGraph load(const std::string& path) {
-    return testing::loadData(path, engine_.registry());
-  }
+  LoadedGraph load(const std::string& path) { return testing::loadData(path, engine_.registry()); }
 
   /// Adds false closures until `share` of all closures are false: between any two vertices,
   /// with measurements spread as far as the file's longest; line = -1.
