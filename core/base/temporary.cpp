@@ -12,7 +12,6 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
-#include <vector>
 
 #include "core/base/error.hpp"
 
@@ -26,30 +25,33 @@ constexpr const char* kPattern = "XXXXXX";
 constexpr std::size_t kPatternSize = 6;
 constexpr const char* kStaging = ".graft-staging-";
 
-/// Whether an entry is a file (or folder) of ours that no process holds.
-bool isStale(const std::string& path, mode_t kind) {
-  const Descriptor entry(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+/// Whether an open entry is a file (or folder) of ours that no process held; it is held
+/// from then on.
+bool isStale(int entry, const std::string& path, mode_t kind) {
   struct stat opened {};
   struct stat named {};
-  return entry.get() >= 0 && ::fstat(entry.get(), &opened) == 0 &&
-         (opened.st_mode & S_IFMT) == kind && opened.st_uid == ::geteuid() &&
-         ::flock(entry.get(), LOCK_EX | LOCK_NB) == 0 && ::lstat(path.c_str(), &named) == 0 &&
-         named.st_dev == opened.st_dev && named.st_ino == opened.st_ino;
+  return entry >= 0 && ::fstat(entry, &opened) == 0 && (opened.st_mode & S_IFMT) == kind &&
+         opened.st_uid == ::geteuid() && ::flock(entry, LOCK_EX | LOCK_NB) == 0 &&
+         ::lstat(path.c_str(), &named) == 0 && named.st_dev == opened.st_dev &&
+         named.st_ino == opened.st_ino;
 }
 
-std::vector<std::string> staleEntries(const std::string& folder, const std::string& head,
-                                      mode_t kind) {
-  std::vector<std::string> stale;
+/// Calls remove(path) for the stale entries of a folder. Each is held meanwhile: who has
+/// just made one and waits for its lock finds it gone, and makes another.
+template <class Remove>
+void removeStale(const std::string& folder, const std::string& head, mode_t kind,
+                 const Remove& remove) {
   const std::unique_ptr<DIR, int (*)(DIR*)> stream(::opendir(folder.c_str()), &::closedir);
-  if (!stream) return stale;
+  if (!stream) return;
   while (const dirent* entry = ::readdir(stream.get())) {
     const std::string name = entry->d_name;
     if (name.size() != head.size() + kPatternSize || name.compare(0, head.size(), head) != 0) {
       continue;
     }
-    if (isStale(folder + "/" + name, kind)) stale.push_back(folder + "/" + name);
+    const std::string path = folder + "/" + name;
+    const Descriptor opened(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+    if (isStale(opened.get(), path, kind)) remove(path);
   }
-  return stale;
 }
 
 /// Locks what was just made. False if another run took it for stale before that.
@@ -99,7 +101,7 @@ bool syncFolder(const std::string& folder) {
 int makeTemporary(const std::string& path, std::string& name) {
   const std::string head = ".graft-" + fs::path(path).filename().string().substr(0, 200) + "-";
   const std::string folder = parentOf(path);
-  for (const std::string& stale : staleEntries(folder, head, S_IFREG)) ::unlink(stale.c_str());
+  removeStale(folder, head, S_IFREG, [](const std::string& stale) { ::unlink(stale.c_str()); });
   for (;;) {
     name = folder + "/" + head + kPattern;
     const int fd = ::mkostemp(name.data(), O_CLOEXEC);
@@ -127,9 +129,8 @@ int makeTemporaryFolder(const std::string& folder, std::string& name) {
 
 void removeStaleFolders(const std::string& folder) {
   std::error_code ignored;
-  for (const std::string& stale : staleEntries(folder, kStaging, S_IFDIR)) {
-    fs::remove_all(stale, ignored);
-  }
+  removeStale(folder, kStaging, S_IFDIR,
+              [&](const std::string& stale) { fs::remove_all(stale, ignored); });
 }
 
 }  // namespace graft

@@ -204,7 +204,7 @@ void checkAssociate(const EdgeSamples& samples) {
 
 /// The k-th choice of the first edge of a batch; empty if there are no more.
 Numbers choiceOf(const EdgeSamples& samples, const Batch& batch, int k) {
-  Buffer chosen(std::size_t(samples.type->association_dim), Placement::kAtPageEnd);
+  Buffer chosen(std::size_t(samples.type->association_dim), Placement::kAligned);
   std::uint8_t there = 7;
   graft_message message = {};
   if (samples.type->associate(batch.get(), GRAFT_ALTERNATIVE + k, chosen.data(), &there,
