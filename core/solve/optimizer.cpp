@@ -232,8 +232,7 @@ class Solve {
       moved = true;
       linearized = false;
       if (linearizer_.hasAssociations() &&
-          entry.chi2_change <=
-              (getenv("AT") ? atof(getenv("AT")) : options_.association_tolerance) * before) {
+          entry.chi2_change <= options_.association_tolerance * before) {
         return finish(Status::kConverged, "chi2 changes by less than association_tolerance");
       }
       const bool small = entry.chi2_change <= options_.function_tolerance * before;

@@ -70,7 +70,6 @@ Evaluation SolveContext::linearizeAt(const State& state) {
   Evaluation evaluation =
       anticipating_ ? linearizer_.linearizeAssociated(state) : linearizer_.linearize(state);
   if (!evaluation.ok()) return evaluation;
-  model_chi2_ = evaluation.chi2;
   equations_.gather(linearizer_, *pool_);
   double largest = 0;
   double sum = 0;
@@ -130,7 +129,7 @@ bool SolveContext::follow(std::size_t group, std::int64_t edge,
   anticipated_ = state_;
   std::copy(association.begin(), association.end(),
             anticipated_.associations[group].begin() + edge * std::int64_t(association.size()));
-  anticipating_ = true;
+  anticipating_ = false;  // what was linearised last may have been elsewhere
   if (!linearizeAt(anticipated_).ok() || !factorizeForStep() || !evaluateTrial()) return false;
   acceptTrial();
   return true;

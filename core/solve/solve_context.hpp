@@ -58,8 +58,6 @@ class SolveContext {
   /// association for every edge that is worse off by it, so that the next step counts on
   /// what the last one ran into. False if there is no such edge.
   bool anticipate();
-  /// chi2 of the linear model at step 0: chi2(), or more if it anticipates.
-  double modelChi2() const { return model_chi2_; }
   /// The trial becomes the state.
   void acceptTrial();
 
@@ -97,7 +95,6 @@ class SolveContext {
   State trial_;
   State anticipated_;  // the state's estimates
   bool anticipating_ = false;
-  double model_chi2_ = 0;
   double chi2_ = 0;
   double trial_chi2_ = 0;
   std::int64_t trial_changed_ = 0;
