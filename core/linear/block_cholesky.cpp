@@ -20,6 +20,26 @@ constexpr double kFlopsWorthSharing = 4e6;
 constexpr std::size_t kLeavesWorthSharing = 128;
 constexpr std::int64_t kLeavesPerPiece = 64;
 
+/// out (columns kStrip apart) = a block of another layout; Rows > 0 fixes the height.
+template <int Rows>
+void copyColumns(const double* block, int rows, int columns, int by_row, int by_column,
+                 double* out) {
+  const int height = Rows > 0 ? Rows : rows;
+  for (int c = 0; c < columns; ++c) {
+    for (int r = 0; r < height; ++r) out[c * kStrip + r] = block[c * by_column + r * by_row];
+  }
+}
+void copyBlock(const double* block, int rows, int columns, int by_row, int by_column, double* out) {
+  if (rows == 6) {
+    by_row == 1 ? copyColumns<6>(block, rows, columns, 1, by_column, out)
+                : copyColumns<6>(block, rows, columns, by_row, by_column, out);
+  } else if (rows == 3) {
+    copyColumns<3>(block, rows, columns, by_row, by_column, out);
+  } else {
+    copyColumns<0>(block, rows, columns, by_row, by_column, out);
+  }
+}
+
 }  // namespace
 
 void BlockCholesky::analyze(const graft_block_pattern& pattern,
@@ -252,20 +272,16 @@ void BlockCholesky::assembleMatrix(std::size_t index, const double* values, cons
   for (std::int64_t t = symbolic_.target_begin[index]; t < symbolic_.target_begin[index + 1]; ++t) {
     const BlockTarget& target = symbolic_.targets[std::size_t(t)];
     const double* block = values + target.values;
-    if (target.transposed) {
-      for (int r = 0; r < target.columns; ++r) {
-        double* row = strips + s.stripOffset(target.local_row + r);
-        for (int c = 0; c < target.rows; ++c) {
-          row[(target.local_column + c) * kStrip] = block[r * target.rows + c];
-        }
-      }
-    } else {
-      for (int r = 0; r < target.rows; ++r) {
-        double* row = strips + s.stripOffset(target.local_row + r);
-        for (int c = 0; c < target.columns; ++c) {
-          row[(target.local_column + c) * kStrip] = block[c * target.rows + r];
-        }
-      }
+    const int height = target.transposed ? target.columns : target.rows;
+    const int width = target.transposed ? target.rows : target.columns;
+    const int by_row = target.transposed ? target.rows : 1;
+    const int by_column = target.transposed ? 1 : target.rows;
+    for (int r = 0; r < height;) {  // a part for every strip
+      const std::int64_t place = s.stripOffset(target.local_row + r);
+      const int part = std::min(height - r, kStrip - int(place % kStrip));
+      double* out = strips + place + std::int64_t{target.local_column} * kStrip;
+      copyBlock(block + r * by_row, part, width, by_row, by_column, out);
+      r += part;
     }
   }
   int column = 0;

@@ -3,8 +3,9 @@
 
 namespace graft {
 
-EdgeBatch::EdgeBatch(const EdgeGroup& group, std::size_t group_index, const State& state,
-                     std::int64_t begin, std::int64_t end) {
+EdgeBatch::EdgeBatch(const EdgeGroup& group, const Values& values,
+                     const std::vector<double>& associations, std::int64_t begin,
+                     std::int64_t end) {
   const graft_edge_type& type = *group.type;
   view_.struct_size = sizeof view_;
   view_.arity = group.arity;
@@ -18,7 +19,7 @@ EdgeBatch::EdgeBatch(const EdgeGroup& group, std::size_t group_index, const Stat
   const auto arity = std::size_t(group.arity);
   vertices_.resize(count * arity);
   for (std::size_t i = 0; i < count * arity; ++i) {
-    vertices_[i] = state.values.at(group.vertices[first * arity + i]);
+    vertices_[i] = values.at(group.vertices[first * arity + i]);
   }
   view_.vertices = vertices_.data();
   view_.measurements = group.measurements.data() + begin;
@@ -28,7 +29,7 @@ EdgeBatch::EdgeBatch(const EdgeGroup& group, std::size_t group_index, const Stat
     associations_.resize(count);
     information_.resize(count);
     for (std::size_t e = 0; e < count; ++e) {
-      associations_[e] = state.associations[group_index].data() + (first + e) * dim;
+      associations_[e] = associations.data() + (first + e) * dim;
       information_[e] = group.information.data() + (first + e) * size;
     }
     view_.associations = associations_.data();

@@ -13,7 +13,11 @@ namespace graft {
 class EdgeBatch {
  public:
   EdgeBatch(const EdgeGroup& group, std::size_t group_index, const State& state, std::int64_t begin,
-            std::int64_t end);
+            std::int64_t end)
+      : EdgeBatch(group, state.values, state.associations[group_index], begin, end) {}
+  /// `associations`: of the whole group.
+  EdgeBatch(const EdgeGroup& group, const Values& values, const std::vector<double>& associations,
+            std::int64_t begin, std::int64_t end);
   const graft_edge_batch& view() const { return view_; }
   /// The same with one edge only.
   graft_edge_batch single(std::int64_t edge) const { return singleEdge(view_, edge); }

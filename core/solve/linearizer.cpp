@@ -7,7 +7,6 @@
 
 #include "core/base/per_thread.hpp"
 #include "core/base/text.hpp"
-#include "core/solve/edge_batch.hpp"
 #include "core/solve/whiten.hpp"
 #include "core/types/plugin_call.hpp"
 
@@ -157,38 +156,42 @@ Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& chan
   return {};
 }
 
-Evaluation Linearizer::takeGreater(State& state, const State& other, std::int64_t& taken) const {
-  const State mixed{state.values, other.associations};
+Evaluation Linearizer::takeGreater(State& state, const State& other,
+                                   std::vector<EdgePlace>& taken) const {
   std::vector<Evaluation> results(chunks_.size());
-  std::vector<std::int64_t> counts(chunks_.size(), 0);
+  std::vector<std::vector<EdgePlace>> greater(chunks_.size());
   pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
     const Chunk& chunk = chunks_[std::size_t(piece)];
     const EdgeGroup& group = problem_->groups()[chunk.group];
     if (group.type->associate == nullptr) return;
-    const std::int64_t count = chunk.end - chunk.begin;
-    std::vector<double> own(std::size_t(count * group.error_dim));
-    std::vector<double> theirs(own.size());
-    Evaluation& result = results[std::size_t(piece)];
-    result = evaluateChunk(chunk, state, own.data(), nullptr);
-    if (result.ok()) result = evaluateChunk(chunk, mixed, theirs.data(), nullptr);
-    if (!result.ok()) return;
+    std::vector<double>& own = state.associations[chunk.group];
+    const std::vector<double>& theirs = other.associations[chunk.group];
     const std::int64_t dim = group.type->association_dim;
-    for (std::int64_t e = 0; e < count; ++e) {
+    const auto first = own.begin() + chunk.begin * dim;
+    if (std::equal(first, own.begin() + chunk.end * dim, theirs.begin() + chunk.begin * dim))
+      return;
+    std::vector<double> by_own(std::size_t((chunk.end - chunk.begin) * group.error_dim));
+    std::vector<double> by_theirs(by_own.size());
+    Evaluation& result = results[std::size_t(piece)];
+    result = evaluateChunk(chunk, state, by_own.data(), nullptr);
+    if (!result.ok()) return;
+    const EdgeBatch batch(group, state.values, theirs, chunk.begin, chunk.end);
+    result = evaluateBatch(chunk, batch, by_theirs.data(), nullptr);
+    if (!result.ok()) return;
+    for (std::int64_t e = chunk.begin; e < chunk.end; ++e) {
       double difference = 0;
-      for (std::int64_t i = e * group.error_dim; i < (e + 1) * group.error_dim; ++i) {
-        difference += theirs[std::size_t(i)] * theirs[std::size_t(i)] -
-                      own[std::size_t(i)] * own[std::size_t(i)];
+      for (int i = 0; i < group.error_dim; ++i) {
+        const auto row = std::size_t((e - chunk.begin) * group.error_dim + i);
+        difference += by_theirs[row] * by_theirs[row] - by_own[row] * by_own[row];
       }
       if (!(difference > 0)) continue;
-      const std::int64_t first = (chunk.begin + e) * dim;
-      std::copy_n(other.associations[chunk.group].data() + first, dim,
-                  state.associations[chunk.group].data() + first);
-      ++counts[std::size_t(piece)];
+      std::copy_n(theirs.begin() + e * dim, dim, own.begin() + e * dim);
+      greater[std::size_t(piece)].push_back({chunk.group, e});
     }
   });
   for (std::size_t i = 0; i < chunks_.size(); ++i) {
     if (!results[i].ok()) return results[i];
-    taken += counts[i];
+    taken.insert(taken.end(), greater[i].begin(), greater[i].end());
   }
   return {};
 }
@@ -208,22 +211,29 @@ Evaluation Linearizer::linearize(const State& state) {
     residuals_[g].resize(rows);
     jacobians_[g].resize(rows * std::size_t(groups[g].tangent_dim));
   }
-  linearized_.assign(chunks_.size(), {});
-  return linearizeChunks(state, false);
-}
-
-Evaluation Linearizer::linearizeAssociated(const State& state) {
-  return linearizeChunks(state, true);
-}
-
-Evaluation Linearizer::linearizeChunks(const State& state, bool associated_only) {
+  std::vector<Evaluation> results(chunks_.size());
   pool_->run(std::int64_t(chunks_.size()), [&](std::int64_t piece) {
     const Chunk& chunk = chunks_[std::size_t(piece)];
-    if (associated_only && problem_->groups()[chunk.group].type->associate == nullptr) return;
-    linearized_[std::size_t(piece)] =
+    results[std::size_t(piece)] =
         run(chunk, state, residuals_[chunk.group].data(), jacobians_[chunk.group].data());
   });
-  return sum(linearized_, nullptr);
+  return sum(results, nullptr);
+}
+
+Evaluation Linearizer::linearizeEdges(const State& state, const std::vector<EdgePlace>& edges) {
+  std::vector<Evaluation> results(edges.size());
+  pool_->run(std::int64_t(edges.size()), [&](std::int64_t piece) {
+    const EdgePlace& place = edges[std::size_t(piece)];
+    results[std::size_t(piece)] =
+        run({place.group, place.edge, place.edge + 1}, state, residuals_[place.group].data(),
+            jacobians_[place.group].data());
+  });
+  Evaluation total;
+  for (const Evaluation& result : results) {
+    if (!result.ok()) return result;
+    total.chi2 += result.chi2;
+  }
+  return total;
 }
 
 Evaluation Linearizer::run(const Chunk& chunk, const State& state, double* residuals,
@@ -277,11 +287,17 @@ Evaluation Linearizer::squaredErrors(const State& state,
 
 Evaluation Linearizer::evaluateChunk(const Chunk& chunk, const State& state, double* residuals,
                                      double* jacobians) const {
+  const EdgeGroup& group = problem_->groups()[chunk.group];
+  const EdgeBatch batch(group, chunk.group, state, chunk.begin, chunk.end);
+  return evaluateBatch(chunk, batch, residuals, jacobians);
+}
+
+Evaluation Linearizer::evaluateBatch(const Chunk& chunk, const EdgeBatch& batch, double* residuals,
+                                     double* jacobians) const {
   static PerThread<Scratch> scratches;
   Scratch& scratch = scratches.get();
   const Graph& graph = problem_->graph();
   const EdgeGroup& group = problem_->groups()[chunk.group];
-  const EdgeBatch batch(group, chunk.group, state, chunk.begin, chunk.end);
   const int dim = group.error_dim;
   const std::int64_t count = chunk.end - chunk.begin;
   const std::int64_t jacobian_size = std::int64_t{dim} * group.tangent_dim;

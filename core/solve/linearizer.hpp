@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/parallel.hpp"
+#include "core/solve/edge_batch.hpp"
 #include "core/solve/problem.hpp"
 
 namespace graft {
@@ -16,6 +17,18 @@ struct Evaluation {
   double chi2 = 0;
   std::string failure;  ///< empty, or which edge (tag, ids, line) and what of it
   bool ok() const { return failure.empty(); }
+};
+
+/// An edge of a problem.
+struct EdgePlace {
+  std::size_t group = 0;
+  std::int64_t edge = 0;
+  bool operator<(const EdgePlace& other) const {
+    return group != other.group ? group < other.group : edge < other.edge;
+  }
+  bool operator==(const EdgePlace& other) const {
+    return group == other.group && edge == other.edge;
+  }
 };
 
 /// Evaluates the edges of a problem by batches of at most kBatch, on all threads
@@ -37,15 +50,16 @@ class Linearizer {
   Evaluation evaluate(const State& state, std::map<std::string, double>* by_tag = nullptr) const;
   /// F at the state; keeps residuals and Jacobians for residuals() and jacobians().
   Evaluation linearize(const State& state);
-  /// The same for a state that differs from the one linearised last in associations only.
-  Evaluation linearizeAssociated(const State& state);
+  /// Linearises these edges anew, for a state that differs from the one linearised last
+  /// in their associations only. No edge twice. The chi2 is theirs.
+  Evaluation linearizeEdges(const State& state, const std::vector<EdgePlace>& edges);
   /// The squared whitened error of every edge of every group, neither weighted nor robust.
   Evaluation squaredErrors(const State& state, std::vector<std::vector<double>>& squares) const;
   /// Chooses associations anew at the state's estimates; adds to `changed`.
   Evaluation associate(State& state, std::int64_t& changed) const;
   /// Gives every edge of `state` the association of `other` where its squared error at
-  /// the state's estimates is greater by that; adds to `taken`.
-  Evaluation takeGreater(State& state, const State& other, std::int64_t& taken) const;
+  /// the state's estimates is greater by that; appends those to `taken`.
+  Evaluation takeGreater(State& state, const State& other, std::vector<EdgePlace>& taken) const;
   bool hasAssociations() const { return has_associations_; }
   /// Polled between batches; once it is not 0 evaluations fail at once. Null = never.
   void setInterrupt(const std::atomic<int>* interrupt) { interrupt_ = interrupt; }
@@ -63,12 +77,13 @@ class Linearizer {
     std::int64_t end;
   };
   struct Scratch;
+  Evaluation evaluateBatch(const Chunk& chunk, const EdgeBatch& batch, double* residuals,
+                           double* jacobians) const;
   Evaluation evaluateChunk(const Chunk& chunk, const State& state, double* residuals,
                            double* jacobians) const;
   /// `residuals` and `jacobians` of the whole group, or null.
   Evaluation run(const Chunk& chunk, const State& state, double* residuals,
                  double* jacobians) const;
-  Evaluation linearizeChunks(const State& state, bool associated_only);
   /// In canonical order, of the chunks' evaluations.
   Evaluation sum(const std::vector<Evaluation>& results,
                  std::map<std::string, double>* by_tag) const;
@@ -80,7 +95,6 @@ class Linearizer {
   std::vector<Chunk> chunks_;
   std::vector<std::vector<double>> residuals_;
   std::vector<std::vector<double>> jacobians_;
-  std::vector<Evaluation> linearized_;  // per chunk
   bool has_associations_ = false;
 };
 

@@ -2,70 +2,14 @@
 #include "core/solve/normal_equations.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "core/base/memory.hpp"
+#include "core/linear/block_product.hpp"
 
 namespace graft {
 
 namespace {
-
-/// out (A x B, column-major) += a' b for rows of length `stride`; A, B, E > 0
-/// fix the dimensions at compile time.
-template <int E, int A, int B>
-void addProduct(const double* a, const double* b, int errors, int rows, int columns, int stride,
-                double* out) {
-  const int ne = E > 0 ? E : errors;
-  const int na = A > 0 ? A : rows;
-  const int nb = B > 0 ? B : columns;
-  for (int j = 0; j < nb; ++j) {
-    double* column = out + j * na;
-    for (int e = 0; e < ne; ++e) {
-      const double factor = b[e * stride + j];
-      for (int i = 0; i < na; ++i) column[i] += a[e * stride + i] * factor;
-    }
-  }
-}
-
-using Product = void (*)(const double*, const double*, int, int, int, int, double*);
-
-/// The kernel for error dimension e and tangent dimensions a, b.
-Product chooseProduct(int e, int a, int b) {
-  const int key = e < 10 && a < 10 && b < 10 ? e * 100 + a * 10 + b : 0;
-  switch (key) {
-    case 666:
-      return &addProduct<6, 6, 6>;
-    case 333:
-      return &addProduct<3, 3, 3>;
-    case 332:
-      return &addProduct<3, 3, 2>;
-    case 323:
-      return &addProduct<3, 2, 3>;
-    case 322:
-      return &addProduct<3, 2, 2>;
-    case 233:
-      return &addProduct<2, 3, 3>;
-    case 232:
-      return &addProduct<2, 3, 2>;
-    case 223:
-      return &addProduct<2, 2, 3>;
-    case 222:
-      return &addProduct<2, 2, 2>;
-    case 366:
-      return &addProduct<3, 6, 6>;
-    case 363:
-      return &addProduct<3, 6, 3>;
-    case 336:
-      return &addProduct<3, 3, 6>;
-    case 663:
-      return &addProduct<6, 6, 3>;
-    case 636:
-      return &addProduct<6, 3, 6>;
-    case 633:
-      return &addProduct<6, 3, 3>;
-    default:
-      return &addProduct<0, 0, 0>;
-  }
-}
 
 constexpr std::int32_t kColumnsPerPiece = 64;
 
@@ -163,6 +107,19 @@ void NormalEquations::gather(const Linearizer& linearizer, ThreadPool& pool) {
   });
 }
 
+void NormalEquations::gather(const Linearizer& linearizer, const std::vector<EdgePlace>& edges) {
+  std::vector<std::int32_t> columns;
+  for (const EdgePlace& place : edges) {
+    const EdgeGroup& group = problem_->groups()[place.group];
+    const auto first = group.blocks.begin() + place.edge * group.arity;
+    std::copy_if(first, first + group.arity, std::back_inserter(columns),
+                 [](std::int32_t block) { return block >= 0; });
+  }
+  std::sort(columns.begin(), columns.end());
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  for (const std::int32_t column : columns) gatherColumn(column, linearizer);
+}
+
 void NormalEquations::gatherColumn(std::int32_t column, const Linearizer& linearizer) {
   const auto j = std::size_t(column);
   const int columns = pattern_.dims[j];
@@ -174,7 +131,7 @@ void NormalEquations::gatherColumn(std::int32_t column, const Linearizer& linear
     double* out = hessian_.data() + value_offsets_[index];
     std::fill(out, out + rows * columns, 0.0);
     const bool diagonal = block == columns_[j];
-    Product product = nullptr;
+    BlockProduct product = nullptr;
     std::int32_t product_group = -1;
     for (std::int64_t t = term_begin_[index]; t < term_begin_[index + 1]; ++t) {
       const Term& term = terms_[std::size_t(t)];
@@ -182,7 +139,7 @@ void NormalEquations::gatherColumn(std::int32_t column, const Linearizer& linear
       const int errors = group.error_dim;
       const int stride = group.tangent_dim;
       if (term.group != product_group) {
-        product = chooseProduct(errors, rows, columns);
+        product = blockProduct(errors, rows, columns);
         product_group = term.group;
       }
       const std::int64_t row = std::int64_t{term.edge} * errors;

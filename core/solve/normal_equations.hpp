@@ -20,6 +20,8 @@ class NormalEquations {
   const graft_block_pattern& pattern() const { return pattern_; }
   /// Forms hessian() and gradient() from the last linearisation.
   void gather(const Linearizer& linearizer, ThreadPool& pool);
+  /// The same where only these edges were linearised anew since.
+  void gather(const Linearizer& linearizer, const std::vector<EdgePlace>& edges);
 
   const std::vector<double>& hessian() const { return hessian_; }    ///< J'J by blocks
   const std::vector<double>& gradient() const { return gradient_; }  ///< J'r

@@ -50,27 +50,47 @@ void SolveContext::start(State state, double chi2) {
 }
 
 Evaluation SolveContext::linearize() {
-  anticipating_ = false;
+  taken_.clear();
   return linearizeAt(state_);
 }
 
 bool SolveContext::anticipate() {
-  std::int64_t taken = 0;
+  std::vector<EdgePlace> taken;
   {
     const PhaseTimer timer(*seconds_, "associate");
-    if (!anticipating_) anticipated_ = state_;
-    if (!linearizer_.takeGreater(anticipated_, trial_, taken).ok() || taken == 0) return false;
+    if (taken_.empty()) anticipated_ = state_;
+    if (!linearizer_.takeGreater(anticipated_, trial_, taken).ok() || taken.empty()) return false;
   }
-  anticipating_ = true;
-  return linearizeAt(anticipated_).ok();
+  taken_.insert(taken_.end(), taken.begin(), taken.end());
+  return linearizeAt(anticipated_, taken).ok();
+}
+
+bool SolveContext::withdraw() {
+  if (taken_.empty()) return true;
+  std::sort(taken_.begin(), taken_.end());
+  taken_.erase(std::unique(taken_.begin(), taken_.end()), taken_.end());
+  const bool done = linearizeAt(state_, taken_).ok();
+  taken_.clear();
+  return done;
 }
 
 Evaluation SolveContext::linearizeAt(const State& state) {
   const PhaseTimer timer(*seconds_, "linearize");
-  Evaluation evaluation =
-      anticipating_ ? linearizer_.linearizeAssociated(state) : linearizer_.linearize(state);
+  Evaluation evaluation = linearizer_.linearize(state);
   if (!evaluation.ok()) return evaluation;
   equations_.gather(linearizer_, *pool_);
+  return finishModel(std::move(evaluation));
+}
+
+Evaluation SolveContext::linearizeAt(const State& state, const std::vector<EdgePlace>& edges) {
+  const PhaseTimer timer(*seconds_, "linearize");
+  Evaluation evaluation = linearizer_.linearizeEdges(state, edges);
+  if (!evaluation.ok()) return evaluation;
+  equations_.gather(linearizer_, edges);
+  return finishModel(std::move(evaluation));
+}
+
+Evaluation SolveContext::finishModel(Evaluation evaluation) {
   double largest = 0;
   double sum = 0;
   for (const double entry : equations_.diagonal()) {
@@ -129,7 +149,6 @@ bool SolveContext::follow(std::size_t group, std::int64_t edge,
   anticipated_ = state_;
   std::copy(association.begin(), association.end(),
             anticipated_.associations[group].begin() + edge * std::int64_t(association.size()));
-  anticipating_ = false;  // what was linearised last may have been elsewhere
   if (!linearizeAt(anticipated_).ok() || !factorizeForStep() || !evaluateTrial()) return false;
   acceptTrial();
   return true;

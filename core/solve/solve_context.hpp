@@ -58,6 +58,8 @@ class SolveContext {
   /// association for every edge that is worse off by it, so that the next step counts on
   /// what the last one ran into. False if there is no such edge.
   bool anticipate();
+  /// Takes back what anticipate() did since the last linearize(); false if an edge fails.
+  bool withdraw();
   /// The trial becomes the state.
   void acceptTrial();
 
@@ -84,6 +86,9 @@ class SolveContext {
 
  private:
   Evaluation linearizeAt(const State& state);
+  Evaluation linearizeAt(const State& state, const std::vector<EdgePlace>& edges);
+  /// Fails it where the normal equations are not finite; finds scale().
+  Evaluation finishModel(Evaluation evaluation);
 
   const Problem* problem_;
   LinearSolver* solver_;
@@ -93,8 +98,8 @@ class SolveContext {
   NormalEquations equations_;
   State state_;
   State trial_;
-  State anticipated_;  // the state's estimates
-  bool anticipating_ = false;
+  State anticipated_;             // the state's estimates
+  std::vector<EdgePlace> taken_;  // edges with a trial's association there
   double chi2_ = 0;
   double trial_chi2_ = 0;
   std::int64_t trial_changed_ = 0;

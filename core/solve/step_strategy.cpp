@@ -65,7 +65,6 @@ class LevenbergMarquardt : public StepStrategy {
     StepResult result;
     if (context.hasAssociations()) damping_ = std::max(damping_, kSmallestAssociated);
     int anticipations = 0;
-    bool anticipating = false;
     for (int trial = 0; trial < kTrials; ++trial) {
       if (damping_ > kLargestDamping) {
         if (!last_failure_.empty()) return {Kind::kFailed, damping_, false, last_failure_};
@@ -95,13 +94,9 @@ class LevenbergMarquardt : public StepStrategy {
       }
       if (finite && context.hasAssociations() && anticipations < kAnticipations) {
         ++anticipations;
-        if (context.anticipate()) {
-          anticipating = true;
-          continue;
-        }
+        if (context.anticipate()) continue;
       }
-      if (anticipating && !context.linearize().ok()) return result;
-      anticipating = false;
+      if (!context.withdraw()) return result;
       if (finite && context.hasAssociations()) {
         damping_ = std::max(damping_, kSmallestRaisedAssociated / growth_);
       }
