@@ -46,6 +46,20 @@ struct Portable {
                             std::int64_t stride) {
     product<true>(k, a, b, n, c, stride);
   }
+  static int factorTile(int n, const double* thresholds, double* tile, double* inverses) {
+    for (int j = 0; j < n; ++j) {
+      double* column = tile + j * kStrip;
+      for (int q = 0; q < j; ++q) {
+        const double factor = tile[q * kStrip + j];
+        for (int i = 0; i < kStrip; ++i) column[i] -= tile[q * kStrip + i] * factor;
+      }
+      const double pivot = column[j];
+      if (!(pivot > thresholds[j]) || !std::isfinite(pivot)) return j;
+      inverses[j] = 1.0 / std::sqrt(pivot);
+      for (int i = 0; i < kStrip; ++i) column[i] *= inverses[j];
+    }
+    return -1;
+  }
   static void solveTile(int n, const double* tile, const double* inverses, double* c) {
     for (int j = 0; j < n; ++j) {
       double* x = c + j * kStrip;
@@ -74,9 +88,13 @@ struct Portable {
   }
 };
 
-constexpr FrontKernels kPortable = {
-    "portable",           &Portable::subtractProduct, &Portable::negateProduct,
-    &Portable::solveTile, &Portable::multiply,        &Portable::subtractTransposed};
+constexpr FrontKernels kPortable = {"portable",
+                                    &Portable::subtractProduct,
+                                    &Portable::negateProduct,
+                                    &Portable::factorTile,
+                                    &Portable::solveTile,
+                                    &Portable::multiply,
+                                    &Portable::subtractTransposed};
 
 #if defined(__x86_64__)
 #define GRAFT_AVX2 __attribute__((target("avx2,fma")))
@@ -173,6 +191,34 @@ struct Avx2 {
     product<true>(k, a, b, n, c, stride);
   }
 
+  GRAFT_AVX2 static int factorTile(int n, const double* thresholds, double* tile,
+                                   double* inverses) {
+    for (int j = 0; j < n; ++j) {
+      double* column = tile + j * kStrip;
+      __m256d c0 = _mm256_loadu_pd(column);
+      __m256d c1 = _mm256_loadu_pd(column + 4);
+      __m256d c2 = _mm256_loadu_pd(column + 8);
+      for (int q = 0; q < j; ++q) {
+        const double* other = tile + q * kStrip;
+        const __m256d factor = _mm256_broadcast_sd(other + j);
+        c0 = _mm256_fnmadd_pd(_mm256_loadu_pd(other), factor, c0);
+        c1 = _mm256_fnmadd_pd(_mm256_loadu_pd(other + 4), factor, c1);
+        c2 = _mm256_fnmadd_pd(_mm256_loadu_pd(other + 8), factor, c2);
+      }
+      _mm256_storeu_pd(column, c0);
+      _mm256_storeu_pd(column + 4, c1);
+      _mm256_storeu_pd(column + 8, c2);
+      const double pivot = column[j];
+      if (!(pivot > thresholds[j]) || !std::isfinite(pivot)) return j;
+      inverses[j] = 1.0 / std::sqrt(pivot);
+      const __m256d inverse = _mm256_set1_pd(inverses[j]);
+      _mm256_storeu_pd(column, _mm256_mul_pd(c0, inverse));
+      _mm256_storeu_pd(column + 4, _mm256_mul_pd(c1, inverse));
+      _mm256_storeu_pd(column + 8, _mm256_mul_pd(c2, inverse));
+    }
+    return -1;
+  }
+
   /// One vector of rows at a time, so that all N columns stay in registers.
   template <int N>
   GRAFT_AVX2 static void solveColumns(const double* tile, const double* inverses, double* c) {
@@ -192,6 +238,8 @@ struct Avx2 {
     switch (n) {
       case 12:
         return solveColumns<12>(tile, inverses, c);
+      case 9:
+        return solveColumns<9>(tile, inverses, c);
       case 6:
         return solveColumns<6>(tile, inverses, c);
       case 3:
@@ -231,25 +279,9 @@ struct Avx2 {
 #undef GRAFT_AVX2
 
 constexpr FrontKernels kAvx2 = {
-    "avx2",           &Avx2::subtractProduct, &Avx2::negateProduct,
+    "avx2",           &Avx2::subtractProduct, &Avx2::negateProduct,     &Avx2::factorTile,
     &Avx2::solveTile, &Avx2::multiply,        &Avx2::subtractTransposed};
 #endif
-
-/// Cholesky of the n x n lower triangle of a tile; the column of a bad pivot, or -1.
-int factorTile(int n, const double* thresholds, double* tile, double* inverses) {
-  for (int j = 0; j < n; ++j) {
-    double* column = tile + j * kStrip;
-    for (int q = 0; q < j; ++q) {
-      const double factor = tile[q * kStrip + j];
-      for (int i = 0; i < kStrip; ++i) column[i] -= tile[q * kStrip + i] * factor;
-    }
-    const double pivot = column[j];
-    if (!(pivot > thresholds[j]) || !std::isfinite(pivot)) return j;
-    inverses[j] = 1.0 / std::sqrt(pivot);
-    for (int i = 0; i < kStrip; ++i) column[i] *= inverses[j];
-  }
-  return -1;
-}
 
 }  // namespace
 
@@ -272,7 +304,7 @@ int factorFront(const FrontKernels& kernels, int columns, int row_strips, const 
     double* own = strips + strip * stride;
     double* tile = own + begin * kStrip;
     kernels.subtractProduct(begin, own, own, width, tile, kStrip);
-    const int bad = factorTile(width, thresholds + begin, tile, inverses + begin);
+    const int bad = kernels.factorTile(width, thresholds + begin, tile, inverses + begin);
     if (bad >= 0) return begin + bad;
     for (int i = strip + 1; i < strip_count; ++i) {
       double* other = strips + i * stride;

@@ -16,6 +16,9 @@ struct FrontKernels {
   /// c(:, 0..n) = -a(:, 0..k) b(0..n, 0..k)', likewise.
   void (*negateProduct)(int k, const double* a, const double* b, int n, double* c,
                         std::int64_t stride);
+  /// Cholesky of the n x n lower triangle of a tile, `inverses` = 1 / diag(L); returns the
+  /// first column whose pivot is not above its threshold or not finite, or -1.
+  int (*factorTile)(int n, const double* thresholds, double* tile, double* inverses);
   /// c(:, 0..n) = c inv(L)', where L is the lower triangle of the tile and
   /// `inverses` are 1 over its diagonal.
   void (*solveTile)(int n, const double* tile, const double* inverses, double* c);
