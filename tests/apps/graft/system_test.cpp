@@ -114,21 +114,22 @@ TEST_F(System, WritesThatFailKeepTheOldFile) {
   for (const auto& [call, text] : said) {
     for (const char* mode : {"once", "from"}) {
       int kept = 0;
-      sweep(call, mode, "fail", [&, &expected = text](int code, bool is_new, const std::string& s) {
-        if (code == 0) {
-          // Closing what was only read.
-          EXPECT_EQ(call, "close");
-        } else if (is_new) {
-          EXPECT_EQ(code, 5);
-          EXPECT_NE(s.find("out.g2o: error: written, but durability is not confirmed: "),
-                    std::string::npos);
-        } else {
-          EXPECT_EQ(code, 5);
-          EXPECT_NE(s.find(expected), std::string::npos);
-          ++kept;
-        }
-        EXPECT_EQ(temporaries(folder_), 0);
-      });
+      sweep(call, mode, "fail",
+            [&, &expected = text, &given = call](int code, bool is_new, const std::string& s) {
+              if (code == 0) {
+                // Closing what was only read.
+                EXPECT_EQ(given, "close");
+              } else if (is_new) {
+                EXPECT_EQ(code, 5);
+                EXPECT_NE(s.find("out.g2o: error: written, but durability is not confirmed: "),
+                          std::string::npos);
+              } else {
+                EXPECT_EQ(code, 5);
+                EXPECT_NE(s.find(expected), std::string::npos);
+                ++kept;
+              }
+              EXPECT_EQ(temporaries(folder_), 0);
+            });
       EXPECT_GE(kept, 1) << call;
     }
   }
