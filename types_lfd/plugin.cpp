@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/base/error.hpp"
+#include "types_lfd/build/base_start.hpp"
 #include "types_lfd/build/graph_builder.hpp"
 #include "types_lfd/build/grasp_modes.hpp"
 #include "types_lfd/build/scene.hpp"
@@ -39,7 +40,7 @@ void loadTask(const char* path, const graft_graph_sink& sink) {
   };
   const ResourceFiles files{absolute(prepared.task.grasps), absolute(scene.reach_file),
                             absolute(prepared.task.map)};
-  buildGraph(prepared, files).send(sink);
+  buildGraph(prepared, files, startBases(prepared, scene)).send(sink);
 }
 
 int recognizesTask(const char*, const char* head, std::int64_t size) {

@@ -34,12 +34,28 @@ std::vector<double> numbers(const Pose& pose) {
   return v;
 }
 
+/// How far a track goes from pose i - 1 to pose i, at its mean speed in the half second
+/// around: a single step is as long as the tracker's noise makes it.
+Sigma stepAtMeanSpeed(const std::vector<Pose>& poses, const std::vector<double>& times,
+                      std::size_t i) {
+  constexpr double kHalfWindow = 0.25;  // s
+  const double middle = 0.5 * (times[i - 1] + times[i]);
+  std::size_t first = i - 1;
+  std::size_t last = i;
+  while (first > 0 && times[first - 1] >= middle - kHalfWindow) --first;
+  while (last + 1 < times.size() && times[last + 1] <= middle + kHalfWindow) ++last;
+  const double share = (times[i] - times[i - 1]) / (times[last] - times[first]);
+  const Vec<double, 6> chord = poseError(poses[first].inverse() * poses[last]);
+  return {share * chord.head<3>().norm(), share * chord.tail<3>().norm()};
+}
+
 std::vector<double> numbers(const Pose2& pose) { return {pose.x, pose.y, pose.theta}; }
 
 class Builder {
  public:
-  Builder(const PreparedTask& prepared, const ResourceFiles& files)
-      : prepared_(prepared), w_(prepared.weights), layout_(prepared.demonstrations) {
+  Builder(const PreparedTask& prepared, const ResourceFiles& files,
+          const std::vector<std::vector<Pose2>>& bases)
+      : prepared_(prepared), w_(prepared.weights), bases_(bases), layout_(prepared.demonstrations) {
     addResources(files);
     addGraspVertices();
     for (std::size_t d = 0; d < prepared_.demonstrations.size(); ++d) addDemonstration(d);
@@ -100,8 +116,9 @@ class Builder {
       addPose(layout_.vertex(d, i, Entity::kObject), p.matched.object.poses[i]);
       addPose(layout_.vertex(d, i, Entity::kTorso), p.matched.torso.poses[i]);
       addPose(layout_.vertex(d, i, Entity::kGripper), p.gripperLikeHand(i));
-      graph_.vertices.push_back({"LFD_BASE", layout_.vertex(d, i, Entity::kBase),
-                                 numbers(uprightBase(p.matched.torso.poses[i]))});
+      graph_.vertices.push_back(
+          {"LFD_BASE", layout_.vertex(d, i, Entity::kBase),
+           numbers(bases_.empty() ? uprightBase(p.matched.torso.poses[i]) : bases_[d][i])});
     }
     addHumanTrack(d, Entity::kHand, p.matched.hand, p.accuracy.hand, true);
     addHumanTrack(d, Entity::kObject, p.matched.object, p.accuracy.object, true);
@@ -183,35 +200,33 @@ class Builder {
                 poseInformation(w_.robot_grasp));
       }
       if (i == 0) continue;
-      const Vec<double, 6> step =
-          poseError(p.matched.hand.poses[i - 1].inverse() * p.matched.hand.poses[i]);
-      addEdge("LFD_GRIPPER_SMOOTH", {layout_.vertex(d, i - 1, Entity::kGripper), gripper},
-              poseInformation(smoothSigma(step.head<3>().norm(), step.tail<3>().norm())));
+      addEdge(
+          "LFD_GRIPPER_SMOOTH", {layout_.vertex(d, i - 1, Entity::kGripper), gripper},
+          poseInformation(smoothSigma(stepAtMeanSpeed(p.matched.hand.poses, p.matched.times, i))));
     }
   }
 
   /// E3, E9 and the prior of the base.
   void addBase(std::size_t d) {
     const PreparedDemonstration& p = demo(d);
-    Pose2 previous;
+    std::vector<Pose> upright;
+    for (const Pose& torso : p.matched.torso.poses)
+      upright.push_back(floorPose(uprightBase(torso)));
     for (std::size_t i = 0; i < p.size(); ++i) {
       const std::int64_t base = layout_.vertex(d, i, Entity::kBase);
-      const Pose2 upright = uprightBase(p.matched.torso.poses[i]);
-      addEdge("LFD_BASE_PRIOR", {base}, planarInformation(w_.base_prior), numbers(upright));
+      addEdge("LFD_BASE_PRIOR", {base}, planarInformation(w_.base_prior),
+              numbers(uprightBase(p.matched.torso.poses[i])));
       addEdge("LFD_REACHABILITY", {layout_.vertex(d, i, Entity::kGripper), base},
               planarInformation(w_.reachability), {}, {kReachMap, kFreeSpace});
-      if (i > 0) {
-        const Vec<double, 3> step = poseError(previous.inverse() * upright);
-        addEdge("LFD_BASE_SMOOTH", {layout_.vertex(d, i - 1, Entity::kBase), base},
-                planarInformation(smoothSigma(step.head<2>().norm(), std::abs(step[2]))));
-      }
-      previous = upright;
+      if (i == 0) continue;
+      addEdge("LFD_BASE_SMOOTH", {layout_.vertex(d, i - 1, Entity::kBase), base},
+              planarInformation(smoothSigma(stepAtMeanSpeed(upright, p.matched.times, i))));
     }
   }
 
-  Sigma smoothSigma(double distance, double angle) const {
-    return {w_.smooth_factor * std::max(distance, w_.smooth_floor.t),
-            w_.smooth_factor * std::max(angle, w_.smooth_floor.r)};
+  Sigma smoothSigma(const Sigma& step) const {
+    return {w_.smooth_factor * std::max(step.t, w_.smooth_floor.t),
+            w_.smooth_factor * std::max(step.r, w_.smooth_floor.r)};
   }
 
   /// E10 between the grasp poses of every pair of demonstrations.
@@ -231,6 +246,7 @@ class Builder {
 
   const PreparedTask& prepared_;
   const Weights& w_;
+  const std::vector<std::vector<Pose2>>& bases_;
   GraphLayout layout_;
   GraphDescription graph_;
 };
@@ -256,8 +272,9 @@ Pose floorPose(const Pose2& world_T_base) {
               expSO3<double>(Vec<double, 3>(0, 0, world_T_base.theta)));
 }
 
-GraphDescription buildGraph(const PreparedTask& task, const ResourceFiles& files) {
-  return Builder(task, files).take();
+GraphDescription buildGraph(const PreparedTask& task, const ResourceFiles& files,
+                            const std::vector<std::vector<Pose2>>& bases) {
+  return Builder(task, files, bases).take();
 }
 
 }  // namespace graft::lfd

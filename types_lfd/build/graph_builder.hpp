@@ -45,10 +45,12 @@ Pose floorPose(const Pose2& world_T_base);
 
 /// Builds the hypergraph over all demonstrations (paper, section IV; edges E1 to
 /// E10 and the priors of docs): initial estimates are the matched poses, the
-/// gripper begins at the hand, the base under the torso, V_HG and V_RG at the
+/// gripper begins at the hand, the base as `bases` says (per demonstration and tuple; see
+/// startBases(); empty = under the torso), V_HG and V_RG at the
 /// mean of object_T_hand over the manipulation, V_gh at identity. Where a hand is
 /// turned (PreparedDemonstration), gripper and V_gh begin turned back, and E4 and
 /// E8 are the types for turned hands.
-GraphDescription buildGraph(const PreparedTask& task, const ResourceFiles& files);
+GraphDescription buildGraph(const PreparedTask& task, const ResourceFiles& files,
+                            const std::vector<std::vector<Pose2>>& bases = {});
 
 }  // namespace graft::lfd

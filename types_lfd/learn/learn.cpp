@@ -9,6 +9,7 @@
 #include "core/io/graph_builder.hpp"
 #include "core/solve/covariance.hpp"
 #include "core/solve/optimizer.hpp"
+#include "types_lfd/build/base_start.hpp"
 #include "types_lfd/learn/result_reader.hpp"
 
 namespace graft::lfd {
@@ -167,8 +168,8 @@ void runOptimizer(LoadedGraph& loaded, Registry& registry, const LearnOptions& o
   const auto wants = [&](int iteration) {
     return std::count(options.snapshots.begin(), options.snapshots.end(), iteration) > 0;
   };
-  // Before the solver looks for a better start: 0 is what was demonstrated.
-  if (wants(0)) result.snapshots[0] = extractor.demonstrations(loaded.values);
+  // 0 is what was demonstrated, before the base goes where the arm reaches.
+  if (wants(0)) result.snapshots[0] = result.before;
   SolveOptions solve;
   solve.iterations = options.iterations;
   solve.threads = options.threads;
@@ -210,7 +211,7 @@ BuiltGraph buildTaskGraph(const std::string& task_path, const std::string& resou
   const PreparedTask prepared = prepareUsualMode(task_path, diagnostics);
   const TaskScene scene = loadScene(prepared.task, diagnostics);
   const ResourceFiles files = writeSceneFiles(prepared.task, scene, resource_directory);
-  const GraphDescription description = buildGraph(prepared, files);
+  const GraphDescription description = buildGraph(prepared, files, startBases(prepared, scene));
   const LoadedGraph loaded =
       assemble(description, resource_directory + "/graph.g2o", registry, diagnostics);
   return {formatG2o(loaded.graph, loaded.values), description.countsByTag()};
@@ -246,8 +247,9 @@ LearnResult learn(const RecordedTask& recorded, std::size_t mode,
       loadScene(result.task.task, diagnostics, [&](double fraction) { phases.report(fraction); });
   phases.begin("build");
   const ResourceFiles files = writeSceneFiles(result.task.task, result.scene, resource_directory);
-  LoadedGraph loaded = assemble(buildGraph(result.task, files), resource_directory + "/graph.g2o",
-                                registry, diagnostics);
+  LoadedGraph loaded =
+      assemble(buildGraph(result.task, files, startBases(result.task, result.scene)),
+               resource_directory + "/graph.g2o", registry, diagnostics);
   result.graph = formatG2o(loaded.graph, loaded.values);
   for (const PreparedDemonstration& demo : result.task.demonstrations) {
     result.before.push_back(estimateFromInput(demo));

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
 
 #include "tests/support/test_data.hpp"
+#include "types_lfd/build/base_start.hpp"
 #include "types_lfd/build/grasp_modes.hpp"
 #include "types_lfd/build/steadiness.hpp"
 #include "types_lfd/teach/teacher.hpp"
@@ -131,6 +133,95 @@ TEST(BuildGraph, HasATaughtTasksVerticesAndEdges) {
     countDemonstration(folder + "/" + spec.name, expected);
   }
   expectCounts(prepared, expected);
+}
+
+/// sqrt(1 / information(0, 0)) of every edge of a type.
+std::vector<double> sigmasOf(const GraphDescription& graph, const std::string& tag) {
+  std::vector<double> sigmas;
+  for (const auto& edge : graph.edges) {
+    if (edge.tag == tag) sigmas.push_back(1 / std::sqrt(edge.information[0]));
+  }
+  return sigmas;
+}
+
+TEST(BuildGraph, StepsOfTheRobotScaleWithSpeedAndTimeAndNotWithNoise) {
+  PreparedTask prepared;
+  prepared.demonstrations.resize(1);
+  PreparedDemonstration& demo = prepared.demonstrations[0];
+  demo.accuracy.hand = demo.accuracy.object = demo.accuracy.torso = {0.01, 0.01};
+  constexpr double kSpeed = 0.6;  // m/s
+  constexpr int kPoses = 60;
+  double time = 0;
+  for (int i = 0; i < kPoses; ++i) {
+    time += i == 30 ? 0.2 : 0.1;
+    const double noise = i % 2 == 0 ? 0.012 : -0.012;  // single steps are 3.6 or 8.4 cm
+    const Pose pose(Vec<double, 3>(kSpeed * time + noise, 0, 0), Eigen::Quaterniond::Identity());
+    demo.matched.times.push_back(time);
+    for (MatchedTrack* track : {&demo.matched.hand, &demo.matched.object, &demo.matched.torso}) {
+      track->poses.push_back(pose);
+      track->measured.push_back(1);
+    }
+  }
+  demo.segments.grasp = 20;
+  demo.segments.release = 40;
+  const GraphDescription graph = buildGraph(prepared, {"grasps.csv", "reach.map", ""});
+  for (const char* tag : {"LFD_GRIPPER_SMOOTH", "LFD_BASE_SMOOTH"}) {
+    const std::vector<double> sigmas = sigmasOf(graph, tag);
+    ASSERT_EQ(sigmas.size(), std::size_t(kPoses - 1));
+    for (std::size_t i = 0; i < sigmas.size(); ++i) {
+      const double step = kSpeed * (demo.matched.times[i + 1] - demo.matched.times[i]);
+      EXPECT_NEAR(sigmas[i], step, 0.15 * step) << tag << " " << i;
+    }
+  }
+}
+
+/// The longest steps of the bases that begin a task, and of those nearest to the torso.
+struct LongestSteps {
+  double start = 0;
+  double by_torso = 0;
+};
+
+LongestSteps checkStarts(const std::string& task) {
+  Diagnostics diagnostics;
+  const PreparedTask prepared = prepareTask(task, diagnostics);
+  const TaskScene scene = loadScene(prepared.task, diagnostics);
+  const auto starts = startBases(prepared, scene);
+  EXPECT_EQ(starts.size(), prepared.demonstrations.size());
+  const Sigma& metric = prepared.weights.reachability;
+  const auto way = [](const Pose2& a, const Pose2& b) { return std::hypot(b.x - a.x, b.y - a.y); };
+  LongestSteps longest;
+  for (std::size_t d = 0; d < starts.size(); ++d) {
+    const PreparedDemonstration& demo = prepared.demonstrations[d];
+    EXPECT_EQ(starts[d].size(), demo.size());
+    Pose2 last;
+    for (std::size_t i = 0; i < demo.size(); ++i) {
+      const Pose gripper = demo.gripperLikeHand(i);
+      EXPECT_TRUE(scene.reach->contains(gripper, starts[d][i])) << demo.matched.name << " " << i;
+      EXPECT_FALSE(scene.footprint->inCollision(starts[d][i])) << demo.matched.name << " " << i;
+      const Pose2 torso = uprightBase(demo.matched.torso.poses[i]);
+      const Pose2 nearest = scene.reach->nearest(gripper, torso, metric.t, metric.r).base;
+      if (i > 0) {
+        longest.start = std::max(longest.start, way(starts[d][i - 1], starts[d][i]));
+        longest.by_torso = std::max(longest.by_torso, way(last, nearest));
+      }
+      last = nearest;
+    }
+  }
+  return longest;
+}
+
+TEST(StartBases, ReachAndStandFree) {
+  const std::string folder = makeTemporaryDirectory() + "/door";
+  teach("room_door", folder, 5);
+  EXPECT_LT(checkStarts(folder + "/task.xml").start, 0.2);
+}
+
+/// Where people walk past the handle the base nearest to the torso changes sides.
+TEST(StartBases, KeepToOneSideOfTheHandle) {
+  GRAFT_REQUIRE_DATA("tasks/room_door/task.xml");
+  const LongestSteps longest = checkStarts(testing::dataPath("tasks/room_door/task.xml"));
+  EXPECT_GT(longest.by_torso, 0.45) << "nobody walks past the handle: nothing was tested";
+  EXPECT_LT(longest.start, 0.2);
 }
 
 TEST(MeanPose, IsTheMidpointOfTwo) {
