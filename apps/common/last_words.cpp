@@ -107,7 +107,7 @@ std::terminate_handler usual_end = nullptr;
     } catch (...) {
     }
   } else {
-    void* room = std::malloc(1024);
+    void* volatile room = std::malloc(1024);  // volatile: clang would leave the call out
     memory = room == nullptr;
     std::free(room);
   }
