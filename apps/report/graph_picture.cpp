@@ -117,7 +117,7 @@ class Sketch {
 };
 
 struct CountedEdge {
-  const char* mark;  ///< stroke of the line in the sketch; null = ring
+  const char* mark;  ///< stroke of the line in the sketch; null = ring, "" = none
   std::vector<const char*> tags;
   const char* text;
 };
@@ -135,7 +135,7 @@ const std::vector<CountedEdge>& countedEdges() {
       {"s-bad", {"LFD_REACHABILITY"}, "E9 reachability"},
       {"s-gripper dash", {"LFD_GRASP_AGREEMENT"}, "E10 grasps agree"},
       {nullptr, {"LFD_BASE_PRIOR"}, "base position (ring of b)"},
-      {nullptr, {"LFD_STEADY_MOTION"}, "steady motion (not drawn)"},
+      {"", {"LFD_STEADY_MOTION"}, "steady motion (not drawn)"},
   };
   return edges;
 }
@@ -168,9 +168,9 @@ void drawCounts(Svg& svg, const lfd::LearnResult& result, double top) {
   for (const CountedEdge& edge : countedEdges()) {
     const double x = k < 6 ? 450 : 710;
     const double row = top + 20 + 19 * double(k % 6);
-    if (edge.mark != nullptr) {
+    if (edge.mark != nullptr && *edge.mark != '\0') {
       drawMark(svg, {x + 8, row - 4}, Mark::kLine, std::string(edge.mark) + " w2");
-    } else {
+    } else if (edge.mark == nullptr) {
       svg.circle({x + 8, row - 4}, 3.5, "s-muted w1");
       svg.circle({x + 8, row - 4}, 6, "s-muted w1");
     }
