@@ -53,6 +53,7 @@ class Components {
       component.anchored = component.anchored || anchors_.count(i) > 0;
     }
     std::vector<Component> components;
+    components.reserve(by_root.size());
     for (const auto& entry : by_root) components.push_back(entry.second);
     return components;
   }
