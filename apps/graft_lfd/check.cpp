@@ -75,7 +75,7 @@ bool describeHolds(const RecordedHolds& holds) {
 /// What of one way of holding no base could reach.
 ReachCheck describeReach(const PreparedTask& task, const TaskScene& scene,
                          Diagnostics& diagnostics) {
-  const ReachCheck check = checkReach(task, *scene.grasps, *scene.reach);
+  ReachCheck check = checkReach(task, *scene.grasps, *scene.reach);
   std::printf("grasp nearest to the hands: row %d%s, %.1f cm and %.0f degrees from them\n",
               check.grasp.row, check.grasp.choice.flipped ? " (turned by 180 degrees)" : "",
               100 * check.grasp.distance, check.grasp.angle * kDegrees);

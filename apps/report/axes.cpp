@@ -77,6 +77,7 @@ std::vector<std::string> tickLabels(const std::vector<double>& ticks) {
   }
   const int decimals = smallest > 0 ? std::max(0, int(std::ceil(-std::log10(smallest) - 1e-9))) : 2;
   std::vector<std::string> labels;
+  labels.reserve(ticks.size());
   for (const double tick : ticks) {
     labels.push_back(fixedNumber(tick, std::min(decimals, 12)));
   }

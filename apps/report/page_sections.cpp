@@ -290,6 +290,7 @@ void addSeconds(Page& page, const lfd::LearnResult& result) {
   std::stable_sort(phases.begin(), phases.end(),
                    [](const auto& a, const auto& b) { return a.second > b.second; });
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(phases.size() + 1);
   for (const auto& [phase, value] : phases) {
     rows.push_back({phase, fixedNumber(value, 3) + " s"});
   }

@@ -48,7 +48,7 @@ void removeStale(const std::string& folder, const std::string& head, mode_t kind
     if (name.size() != head.size() + kPatternSize || name.compare(0, head.size(), head) != 0) {
       continue;
     }
-    const std::string path = folder + "/" + name;
+    const std::string path = fs::path(folder) / name;
     const Descriptor opened(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     if (isStale(opened.get(), path, kind)) remove(path);
   }
@@ -102,8 +102,9 @@ int makeTemporary(const std::string& path, std::string& name) {
   const std::string head = ".graft-" + fs::path(path).filename().string().substr(0, 200) + "-";
   const std::string folder = parentOf(path);
   removeStale(folder, head, S_IFREG, [](const std::string& stale) { ::unlink(stale.c_str()); });
+  const std::string pattern = folder + "/" + head + kPattern;
   for (;;) {
-    name = folder + "/" + head + kPattern;
+    name = pattern;
     const int fd = ::mkostemp(name.data(), O_CLOEXEC);
     if (fd < 0) failOutput(path, std::strerror(errno));
     if (lock(fd)) return fd;

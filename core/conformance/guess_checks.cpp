@@ -46,6 +46,7 @@ World loopOfPoses() {
     return world.graph.addVertex(vertexType<SE2>(), id, numbers, world.values);
   };
   std::vector<VertexRef> poses;
+  poses.reserve(kPoses);
   for (int i = 0; i < kPoses; ++i) poses.push_back(add(i));
   add(kPoses + 3);
   world.graph.setFixed(poses[2], true);

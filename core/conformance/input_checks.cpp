@@ -15,6 +15,7 @@ namespace {
 
 void requireRefused(const graft_resource_type& type, const std::vector<std::string>& tokens) {
   std::vector<const char*> pointers;
+  pointers.reserve(tokens.size());
   for (const std::string& token : tokens) pointers.push_back(token.c_str());
   graft_message message = {};
   const void* loaded = type.load(".", std::int32_t(tokens.size()), pointers.data(), &message);
@@ -87,7 +88,7 @@ void requireSaid(const graft_loader_type& type, const std::string& path, const c
 const std::string kGarbage(
     "\x7f"
     "ELF\0\xff\xfe no graph\n\n<<<>>>\n",
-    26);
+    25);
 
 }  // namespace
 
