@@ -33,6 +33,25 @@ double residual(const ArrivalSamples& samples, double g, double duration) {
   return total - (sum_hp - sum_h / n * sum_p).squaredNorm() / var_h;
 }
 
+/// Mean distance from where the hand rests between two clocks, 0 where there is none.
+double meanDistance(const ArrivalSamples& samples, double begin, double end) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < samples.all_times.size(); ++i) {
+    if (samples.all_times[i] < begin || samples.all_times[i] > end) continue;
+    sum += samples.distances[i];
+    ++count;
+  }
+  return count == 0 ? 0 : sum / count;
+}
+
+/// Distance at the last sample before the hand is at rest.
+double lastSeenDistance(const ArrivalSamples& samples) {
+  const auto after = std::lower_bound(samples.times.begin(), samples.times.end(), samples.edge);
+  if (after == samples.times.begin()) return 0;
+  return meanDistance(samples, *(after - 1), *(after - 1));
+}
+
 }  // namespace
 
 double minimumJerkToGo(double rest) {
@@ -64,8 +83,15 @@ double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options) 
   const double freedom = std::max(1.0, 3.0 * static_cast<double>(samples.times.size()) - 8.0);
   const double variance = std::max(best / freedom, options.softness * options.softness);
   const double limit = best + 4 * variance;
+  // At rest the distance is the tracker's noise. Where the whole approach was hidden, it is
+  // that of a line across the gap, of which no hand is behind by more than half.
+  constexpr double kAround = 0.15;  // s
+  constexpr double kEver = std::numeric_limits<double>::infinity();
+  double near = options.near + meanDistance(samples, samples.edge, kEver);
+  if (!samples.after_peak) near = std::max(near, 0.5 * lastSeenDistance(samples));
   for (std::size_t i = 0; i < moments.size(); ++i) {
-    if (costs[i] <= limit) return moments[i];
+    const double distance = meanDistance(samples, moments[i] - kAround, moments[i] + kAround);
+    if (costs[i] <= limit && distance <= near) return moments[i];
   }
   return otherwise;
 }

@@ -14,6 +14,9 @@ namespace graft::lfd {
 struct ArrivalSamples {
   std::vector<double> times;
   std::vector<Eigen::Vector3d> points;
+  /// Distance (m) from where it rests at all tuples, interpolated ones too, by clock.
+  std::vector<double> all_times;
+  std::vector<double> distances;
   double edge = 0;    ///< clock at which the hand is at rest up to noise
   double latest = 0;  ///< latest arrival considered
   bool after_peak = true;
@@ -26,7 +29,9 @@ double minimumJerkToGo(double rest);
 /// Clock of the arrival: least squares fit of
 ///   p(t) = c + a minimumJerkToGo((g - t) / T) before g, c from g on
 /// over g, T, c and a. Of all g that fit as well as the best up to two
-/// standard deviations the earliest.
+/// standard deviations the earliest at which the hand is within options.near of its rest:
+/// of one that does not come with minimum jerk (it walks, it hesitates) every g fits badly,
+/// and many as well as the best.
 double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options);
 
 }  // namespace graft::lfd

@@ -80,6 +80,8 @@ ArrivalSamples samplesTowards(const MatchedDemonstration& matched,
   for (std::size_t k = start; k <= far; ++k) {
     if (clock(k) > clock(edge) + options.settle && clock(k) > middle) break;
     if (clock(k) > clock(edge) + 2 * options.settle) break;
+    samples.all_times.push_back(clock(k));
+    samples.distances.push_back(distance(k));
     if (seen[index(k)] == 0) continue;
     samples.times.push_back(clock(k));
     samples.points.push_back(points[index(k)]);

@@ -29,6 +29,7 @@ struct SegmentOptions {
   double settle = 1.0;           ///< time in which the hand's place on the object is constant, s
   double shortest = 0.4;         ///< shortest and longest duration of a reach, s
   double longest = 4.0;
+  double near = 0.025;      ///< further off (beyond noise) a hand holds nothing, m: a thick handle
   double softness = 0.005;  ///< what a palm gives way on a handle, sigma, m
   double step = 0.02;       ///< step of the search for the moment of contact, s
 };

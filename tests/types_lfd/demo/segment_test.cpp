@@ -6,10 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <sstream>
+#include <string>
+#include <utility>
 
+#include "tests/support/test_data.hpp"
 #include "tests/types_lfd/demo/synthetic.hpp"
+#include "types_lfd/build/prepare.hpp"
 #include "types_lfd/demo/arrival.hpp"
 #include "types_lfd/demo/relative_motion.hpp"
+#include "types_lfd/teach/teacher.hpp"
 
 namespace graft::lfd {
 namespace {
@@ -211,6 +217,32 @@ TEST(Arrival, FitsItsOwnModelExactly) {
   EXPECT_NEAR(fitArrival(samples, options), 0.9, 0.05);
   samples.latest = 0.4;  // the object moves already
   EXPECT_LE(fitArrival(samples, options), 0.4);
+}
+
+/// People who walk up to a handle, partly hidden: by its fit alone the hand held it 1 s
+/// before it was there.
+TEST(Segment, HandsThatAreFarAwayHoldNothing) {
+  for (const auto& [task, seed] :
+       {std::pair("swivel_door", 26), {"drawer", 24}, {"sliding_door", 32}}) {
+    const std::string folder = testing::makeTemporaryDirectory() + "/task";
+    teach(task, folder, std::uint64_t(seed));
+    Diagnostics diagnostics;
+    const PreparedTask prepared = prepareTask(folder + "/task.xml", diagnostics);
+    std::istringstream truth(testing::readTestFile(folder + "/truth/segments.csv"));
+    std::string line;
+    std::getline(truth, line);  // the header
+    for (const PreparedDemonstration& demo : prepared.demonstrations) {
+      double grasp = 0;
+      double release = 0;
+      std::string name;
+      char comma = 0;
+      ASSERT_TRUE(std::getline(truth, name, ',') && truth >> grasp >> comma >> release);
+      std::getline(truth, line);
+      ASSERT_EQ(name, demo.matched.name);
+      EXPECT_NEAR(demo.matched.times[demo.segments.grasp], grasp, 0.6) << task << ' ' << name;
+      EXPECT_NEAR(demo.matched.times[demo.segments.release], release, 0.6) << task << ' ' << name;
+    }
+  }
 }
 
 TEST(SeenTuples, LeaveOutOcclusions) {
