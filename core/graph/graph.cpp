@@ -50,6 +50,7 @@ std::shared_ptr<const void> loadResource(const graft_resource_type& type,
                                          const std::vector<std::string>& tokens,
                                          graft_message& message) {
   std::vector<const char*> texts;
+  texts.reserve(tokens.size());
   for (const std::string& token : tokens) texts.push_back(token.c_str());
   const void* data = callPlugin(Callback::kLoadResource, type.tag, [&] {
     return type.load(directory.c_str(), std::int32_t(texts.size()), texts.data(), &message);

@@ -57,6 +57,7 @@ std::vector<Consensus::Open> Consensus::findOpen() {
     if (edges_->weight(p) == 0 && evicted_.count(p) == 0) open.push_back({p, {}});
   }
   std::vector<Place> places;
+  places.reserve(open.size());
   for (const Open& one : open) places.push_back(one.place);
   const std::vector<Innovations::View> views = innovations_.sample(places);
   for (std::size_t i = 0; i < open.size(); ++i) open[i].view = views[i];
@@ -99,7 +100,7 @@ Evaluation Consensus::admit(const std::vector<Place>& places, State& state) {
   edges_->setWeight(places, 1);
   bool fair = false;
   for (;;) {
-    const Evaluation evaluation =
+    Evaluation evaluation =
         rounds_->run(fair ? WeightedRounds::Effort::kFair : WeightedRounds::Effort::kRough, state);
     if (!evaluation.ok() || rounds_->tools().must_stop()) return evaluation;
     const std::vector<Place> beyond = findWorst();

@@ -40,9 +40,7 @@ std::vector<Flips::Place> Flips::find(Kind kind, const State& state) const {
       const double ratio = views[i].square / edges_->threshold(places[i]);
       const bool missed = ratio < kSlack;
       if (missed != (kind == Kind::kMissed)) continue;
-      if (missed) {
-        ranked.emplace_back(ratio, places[i]);
-      } else if (views[i].spread > kHardlyPredicted && ratio < kFarOff) {
+      if (missed || (views[i].spread > kHardlyPredicted && ratio < kFarOff)) {
         ranked.emplace_back(ratio, places[i]);
       }
     }

@@ -31,7 +31,7 @@ Evaluation Graduated::pass(WeightedRounds& rounds, double parameter, State& stat
     const bool decided = edges_.setWeights(parameter);
     if (truncated && decided && parameter > 1) break;
     if (!grown_ || rounds.weightsDiffer(kSameWeight)) {
-      const Evaluation evaluation = rounds.run(WeightedRounds::Effort::kRough, state);
+      Evaluation evaluation = rounds.run(WeightedRounds::Effort::kRough, state);
       if (!evaluation.ok()) return evaluation;
       too_smooth_ = rounds.wasTooCostly();
     }
@@ -91,7 +91,7 @@ Evaluation Graduated::begin(WeightedRounds& rounds, State& state) {
   rounds.setCareful(!grown_);
   if (grown_) {
     evaluation = edges_.truncatedCost(linearizer, given);
-    const Evaluation grown = edges_.truncatedCost(linearizer, state);
+    Evaluation grown = edges_.truncatedCost(linearizer, state);
     if (!grown.ok()) return grown;
     if (evaluation.ok() && evaluation.chi2 < grown.chi2) state = given;
   } else if (!evaluation.ok()) {

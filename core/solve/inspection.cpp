@@ -221,6 +221,7 @@ std::vector<JacobianCheck> checkJacobians(const Problem& problem, const Values& 
     }
   }
   std::vector<JacobianCheck> list;
+  list.reserve(checks.size());
   for (auto& entry : checks) list.push_back(std::move(entry.second));
   return list;
 }
@@ -351,7 +352,8 @@ bool hasOpenBlock(const NormalEquations& equations) {
     const double* block = equations.hessian().data() + pattern.offsets[pattern.columns[c]];
     lower.assign(block, block + dim * dim);
     double scale = 0;
-    for (int i = 0; i < dim; ++i) scale = std::max(scale, lower[std::size_t(i * dim + i)]);
+    for (int i = 0; i < dim; ++i)
+      scale = std::max(scale, lower[std::size_t(i) * std::size_t(dim + 1)]);
     // Cholesky by columns; a pivot that vanishes leaves a direction open.
     for (int j = 0; j < dim; ++j) {
       double* column = lower.data() + j * dim;
@@ -359,7 +361,8 @@ bool hasOpenBlock(const NormalEquations& equations) {
       const double root = std::sqrt(column[j]);
       for (int i = j; i < dim; ++i) column[i] /= root;
       for (int k = j + 1; k < dim; ++k) {
-        for (int i = k; i < dim; ++i) lower[std::size_t(k * dim + i)] -= column[i] * column[k];
+        for (int i = k; i < dim; ++i)
+          lower[std::size_t(k) * std::size_t(dim) + std::size_t(i)] -= column[i] * column[k];
       }
     }
   }

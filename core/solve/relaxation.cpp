@@ -43,7 +43,7 @@ class Stage {
   /// Solves for vertices of `columns` columns each at a time; empty, or why not.
   std::string solve(ThreadPool& pool, Values& values, std::vector<char>& settled) {
     for (int columns = 1; columns <= 64; ++columns) {
-      const std::string failure = solveFor(columns, pool, values, settled);
+      std::string failure = solveFor(columns, pool, values, settled);
       if (!failure.empty()) return failure;
     }
     return {};

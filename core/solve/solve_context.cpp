@@ -129,9 +129,11 @@ LinearOutcome SolveContext::solveForStep() {
 
 bool SolveContext::factorizeForStep() {
   std::vector<double> damping(scale_.size());
-  for (double lambda = kLeastDamping; lambda < 1; lambda *= 100) {
+  double lambda = kLeastDamping;
+  while (lambda < 1) {
     for (std::size_t i = 0; i < damping.size(); ++i) damping[i] = lambda * scale_[i];
     if (factorize(damping.data()).ok && solveForStep().ok) return true;
+    lambda *= 100;
   }
   return false;
 }

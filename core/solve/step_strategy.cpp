@@ -190,7 +190,8 @@ class Dogleg : public StepStrategy {
   /// The Gauss-Newton step; where H is singular, that of H + mu D with the
   /// smallest mu that works.
   bool factorize(SolveContext& context, StepResult& result) {
-    for (double mu = 0; mu < 1; mu = mu == 0 ? 1e-12 : 10 * mu) {
+    double mu = 0;
+    while (mu < 1) {
       damping_.resize(context.scale().size());
       for (std::size_t i = 0; i < damping_.size(); ++i) damping_[i] = mu * context.scale()[i];
       LinearOutcome outcome = context.factorize(mu == 0 ? nullptr : damping_.data());
@@ -198,6 +199,7 @@ class Dogleg : public StepStrategy {
       result.damping = mu;
       if (outcome.ok) return true;
       result.reason = context.describe(outcome);
+      mu = mu == 0 ? 1e-12 : 10 * mu;
     }
     result.kind = Kind::kFailed;
     return false;
