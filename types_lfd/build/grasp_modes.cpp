@@ -133,6 +133,7 @@ RecordedHolds recordedHolds(const std::vector<PreparedDemonstration>& demonstrat
 
 std::vector<char> turnedHands(const std::vector<Pose>& object_T_hand) {
   std::vector<char> turned;
+  turned.reserve(object_T_hand.size());
   for (const Pose& hold : object_T_hand) {
     turned.push_back(holdGap(object_T_hand.front(), hold).turned ? 1 : 0);
   }

@@ -66,9 +66,13 @@ double fitArrival(const ArrivalSamples& samples, const SegmentOptions& options) 
   std::vector<double> costs;
   double best = std::numeric_limits<double>::infinity();
   const double earliest = samples.times.front();
-  for (double g = earliest; g <= samples.latest; g += options.step) {
+  std::vector<double> durations{options.shortest};
+  while (durations.back() * 1.1 <= options.longest) durations.push_back(durations.back() * 1.1);
+  const int steps = int((samples.latest - earliest) / options.step);
+  for (int k = 0; k <= steps; ++k) {
+    const double g = earliest + k * options.step;
     double cost = std::numeric_limits<double>::infinity();
-    for (double t = options.shortest; t <= options.longest; t *= 1.1) {
+    for (const double t : durations) {
       // Peak speed is half-way in time.
       if (g - earliest > (samples.after_peak ? 0.6 : 1.0) * t) continue;
       cost = std::min(cost, residual(samples, g, t));

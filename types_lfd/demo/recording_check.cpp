@@ -106,6 +106,7 @@ double spreadOnObject(const Trajectory& track, const Trajectory& object, const M
   }
   const Vec<double, 3> middle(medianOf(values[0]), medianOf(values[1]), medianOf(values[2]));
   std::vector<double> distances;
+  distances.reserve(points.size());
   for (const Vec<double, 3>& point : points) distances.push_back((point - middle).norm());
   return medianOf(distances);
 }

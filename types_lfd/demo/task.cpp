@@ -173,7 +173,7 @@ class TaskReader {
   }
 
   std::string nonEmpty(const Element& element, const char* name) const {
-    const std::string value = file_.required(element, name);
+    std::string value = file_.required(element, name);
     if (value.empty()) {
       file_.fail(element,
                  std::string("attribute '") + name + "' of <" + element.Name() + "> is empty");
