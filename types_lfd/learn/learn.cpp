@@ -144,6 +144,7 @@ void extractGrasp(const Extractor& extractor, const Values& values, const Graph&
     grasp.runner_up_row = valid[std::size_t(grasp.runner_up.index)].row;
   }
   std::vector<VertexRef> vertices;
+  vertices.reserve(ids.size());
   for (const std::int64_t id : ids) vertices.push_back(graph.find(id));
   const std::vector<Eigen::MatrixXd> blocks =
       marginalCovariances(graph, values, vertices, {InformationPolicy::kError, threads});

@@ -135,11 +135,13 @@ bool FootprintChecker::pathFree(const Pose2& a, const Pose2& b) const {
   const double turn = wrapAngle(b.theta - a.theta);
   const double motion = std::hypot(b.x - a.x, b.y - a.y) + reach_ * std::abs(turn);
   const double steps = std::max(1.0, std::ceil(motion / (0.5 * map_->resolution())));
-  for (double i = 0; i <= steps; ++i) {
+  double i = 0;  // a number that may exceed what an int holds
+  while (i <= steps) {
     const double f = i / steps;
     const Pose2 base =
         i == steps ? b : Pose2(a.x + f * (b.x - a.x), a.y + f * (b.y - a.y), a.theta + f * turn);
     if (inCollision(base)) return false;
+    ++i;
   }
   return true;
 }

@@ -34,7 +34,7 @@ void validate(const AvoidanceOptions& o) {
 Vec2 safeStep(const ClearanceField& field, const Vec2& position, Vec2 step, double safety) {
   const double needed = std::min(safety, field.clearance(position[0], position[1]));
   for (int i = 0; i < kHalvings; ++i) {
-    const Vec2 next = position + step;
+    Vec2 next = position + step;
     if (field.clearance(next[0], next[1]) >= needed) return next;
     step *= 0.5;
   }
