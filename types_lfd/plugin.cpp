@@ -76,12 +76,7 @@ constexpr graft_loader_type kTaskLoader = {sizeof(graft_loader_type),
                                            &recognizesTask,
                                            &loadTaskFile};
 
-}  // namespace
-
-}  // namespace graft::lfd
-
-GRAFT_PLUGIN(lfd, registry) {
-  using namespace graft::lfd;
+void addTypes(PluginRegistry& registry) {
   registry.addVertex<BasePose>();
   registry.addResource<GraspSet>();
   registry.addResource<ReachMap>();
@@ -103,3 +98,9 @@ GRAFT_PLUGIN(lfd, registry) {
   registry.add<ReachabilityEdge>();
   registry.addLoader(kTaskLoader);
 }
+
+}  // namespace
+
+}  // namespace graft::lfd
+
+GRAFT_PLUGIN(lfd, registry) { graft::lfd::addTypes(registry); }
