@@ -110,7 +110,8 @@ Eigen::MatrixXd groupJoint(const GaussianMixture& mixture, const Eigen::MatrixXd
     result += joint.middleCols(first, groups);
   }
   // The weight counts once for a group.
-  const auto repeated = static_cast<double>(joint.cols() / groups - 1);
+  const Eigen::Index copies = joint.cols() / groups;
+  const auto repeated = static_cast<double>(copies - 1);
   for (Eigen::Index k = 0; repeated > 0 && k < result.rows(); ++k) {
     const double weight = mixture.components[static_cast<std::size_t>(k)].weight;
     if (weight > 0) result.row(k).array() -= repeated * std::log(weight);

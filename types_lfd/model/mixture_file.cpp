@@ -208,6 +208,7 @@ SegmentModel toSegmentModel(const MixtureFile& file, const std::string& name, do
   const Pose2 heading_T_model =
       headingFrame(file.model_T_object, model.chart.heading_axis).inverse();
   std::vector<Eigen::Quaterniond> rotations;
+  rotations.reserve(source.size());
   for (const GaussianComponent& c : source) {
     rotations.push_back(object_T_model.rotation * quaternionOf(c.mean, 4));
   }

@@ -59,7 +59,7 @@ ReachGrid checkedGrid(const ReachOptions& options) {
 /// A grid that holds all that the chain can reach.
 ReachGrid makeGrid(const Chain& chain, const ReachOptions& options) {
   ReachGrid grid = checkedGrid(options);
-  const Eigen::Vector3d origin = chain.firstJointOrigin();
+  const Eigen::Vector3d& origin = chain.firstJointOrigin();
   const double reach = chain.reachBound();
   const double around = origin.head<2>().norm() + reach;
   double below = 0;
