@@ -86,6 +86,7 @@ Eigen::MatrixXd resample(const SegmentDemonstration& d, const std::vector<Motion
 int resampledCount(const std::vector<const SegmentDemonstration*>& demonstrations,
                    const FitOptions& options) {
   std::vector<int> sizes;
+  sizes.reserve(demonstrations.size());
   for (const auto* d : demonstrations) sizes.push_back(static_cast<int>(d->samples.size()));
   std::sort(sizes.begin(), sizes.end());
   return std::clamp(sizes[sizes.size() / 2], options.minimum_resampled, options.maximum_resampled);

@@ -46,9 +46,11 @@ std::string formatTask(const Scenario& s) {
   if (s.has_torso) out += formatTracker("torso", s.torso_tracker);
   for (int i = 0; i < s.demonstrations; ++i) {
     const std::string name = demonstrationName(i);
-    out += "  <demonstration name=\"" + name + "\" hand=\"" + name + "/hand.tum\" object=\"" +
-           name + "/object.tum\"" + (s.has_torso ? " torso=\"" + name + "/torso.tum\"" : "") +
-           "/>\n";
+    out.append("  <demonstration name=\"").append(name);
+    out.append("\" hand=\"").append(name).append("/hand.tum\"");
+    out.append(" object=\"").append(name).append("/object.tum\"");
+    if (s.has_torso) out.append(" torso=\"").append(name).append("/torso.tum\"");
+    out.append("/>\n");
   }
   return out + "</task>\n";
 }
