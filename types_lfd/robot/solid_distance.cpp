@@ -53,6 +53,7 @@ bool nearestOfFace(const Simplex& simplex, int face, Vector& nearest) {
   for (int i = 0; i < simplex.count; ++i) {
     if ((face >> i & 1) != 0) index[n++] = i;
   }
+  if (n == 0) return false;
   const Vector& base = simplex.points[index[0]];
   if (n == 1) {
     nearest = base;

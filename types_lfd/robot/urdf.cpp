@@ -48,7 +48,7 @@ Pose readOrigin(const XmlFile& file, const XMLElement& owner) {
 }
 
 std::string readName(const XmlFile& file, const XMLElement& element, const char* attribute) {
-  const std::string name = file.required(element, attribute);
+  std::string name = file.required(element, attribute);
   const bool bad =
       std::any_of(name.begin(), name.end(), [](unsigned char c) { return c <= 0x20 || c == 0x7f; });
   if (name.empty() || bad) {
