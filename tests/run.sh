@@ -13,11 +13,11 @@ cd "$(dirname "$0")/.."
 bash .ci/packages.sh liborocos-kdl-dev liburdfdom-dev
 build=${BUILD_DIR:-build}
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE="${BUILD_TYPE:-Release}" \
-  -DGRAFT_WERROR=ON -DGRAFT_SANITIZE="${SANITIZE:-}" >"$build.configure.log" 2>&1 || {
+  -DGRAFT_BUILD_TESTS=ON -DGRAFT_WERROR=ON -DGRAFT_SANITIZE="${SANITIZE:-}" >"$build.configure.log" 2>&1 || {
   cat "$build.configure.log"
   exit 1
 }
 rm -f "$build.configure.log"
 read -ra targets <<<"${TARGETS:-all}"
 cmake --build "$build" --target "${targets[@]}"
-ctest --test-dir "$build" --output-on-failure -j "$(nproc)" "$@"
+ctest --test-dir "$build" --no-tests=error --output-on-failure -j "$(nproc)" "$@"
