@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/linear/block_product.hpp"
 
+#include "core/linear/front_kernels.hpp"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -110,8 +112,7 @@ BlockProduct portableBlockProduct(int e, int a, int b) {
 
 BlockProduct blockProduct(int errors, int rows, int columns) {
 #if defined(__x86_64__)
-  static const bool fused = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  if (fused && rows == 6 && columns == 6) return &addPoseProduct;
+  if (hasFusedVectors() && rows == 6 && columns == 6) return &addPoseProduct;
 #endif
   return portableBlockProduct(errors, rows, columns);
 }

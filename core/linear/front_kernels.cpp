@@ -287,10 +287,18 @@ constexpr FrontKernels kAvx2 = {
 
 const FrontKernels& portableFrontKernels() { return kPortable; }
 
-const FrontKernels& frontKernels() {
+bool hasFusedVectors() {
 #if defined(__x86_64__)
   static const bool fused = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  if (fused) return kAvx2;
+  return fused;
+#else
+  return false;
+#endif
+}
+
+const FrontKernels& frontKernels() {
+#if defined(__x86_64__)
+  if (hasFusedVectors()) return kAvx2;
 #endif
   return kPortable;
 }

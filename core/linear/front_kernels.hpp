@@ -28,6 +28,8 @@ struct FrontKernels {
   void (*subtractTransposed)(int k, const double* strip, const double* y, double* x);
 };
 
+/// Whether this processor has the instructions (AVX2, FMA) of the fast kernels.
+bool hasFusedVectors();
 const FrontKernels& frontKernels();
 /// The kernels that every processor has, to test the others against.
 const FrontKernels& portableFrontKernels();

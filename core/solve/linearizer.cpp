@@ -186,7 +186,7 @@ Evaluation Linearizer::takeGreater(State& state, const State& other,
       }
       if (!(difference > 0)) continue;
       std::copy_n(theirs.begin() + e * dim, dim, own.begin() + e * dim);
-      greater[std::size_t(piece)].push_back({chunk.group, e});
+      greater[std::size_t(piece)].emplace_back(chunk.group, e);
     }
   });
   for (std::size_t i = 0; i < chunks_.size(); ++i) {
@@ -223,10 +223,10 @@ Evaluation Linearizer::linearize(const State& state) {
 Evaluation Linearizer::linearizeEdges(const State& state, const std::vector<EdgePlace>& edges) {
   std::vector<Evaluation> results(edges.size());
   pool_->run(std::int64_t(edges.size()), [&](std::int64_t piece) {
-    const EdgePlace& place = edges[std::size_t(piece)];
+    const auto [group, number] = edges[std::size_t(piece)];
+    const auto edge = std::int64_t(number);
     results[std::size_t(piece)] =
-        run({place.group, place.edge, place.edge + 1}, state, residuals_[place.group].data(),
-            jacobians_[place.group].data());
+        run({group, edge, edge + 1}, state, residuals_[group].data(), jacobians_[group].data());
   });
   Evaluation total;
   for (const Evaluation& result : results) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/parallel.hpp"
@@ -19,17 +20,8 @@ struct Evaluation {
   bool ok() const { return failure.empty(); }
 };
 
-/// An edge of a problem.
-struct EdgePlace {
-  std::size_t group = 0;
-  std::int64_t edge = 0;
-  bool operator<(const EdgePlace& other) const {
-    return group != other.group ? group < other.group : edge < other.edge;
-  }
-  bool operator==(const EdgePlace& other) const {
-    return group == other.group && edge == other.edge;
-  }
-};
+/// An edge of a problem: its group and its number there.
+using EdgePlace = std::pair<std::size_t, std::size_t>;
 
 /// Evaluates the edges of a problem by batches of at most kBatch, on all threads
 /// of the pool. Sums are formed in canonical order.

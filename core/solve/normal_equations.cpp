@@ -109,9 +109,9 @@ void NormalEquations::gather(const Linearizer& linearizer, ThreadPool& pool) {
 
 void NormalEquations::gather(const Linearizer& linearizer, const std::vector<EdgePlace>& edges) {
   std::vector<std::int32_t> columns;
-  for (const EdgePlace& place : edges) {
-    const EdgeGroup& group = problem_->groups()[place.group];
-    const auto first = group.blocks.begin() + place.edge * group.arity;
+  for (const auto& [index, edge] : edges) {
+    const EdgeGroup& group = problem_->groups()[index];
+    const auto first = group.blocks.begin() + std::int64_t(edge) * group.arity;
     std::copy_if(first, first + group.arity, std::back_inserter(columns),
                  [](std::int32_t block) { return block >= 0; });
   }

@@ -16,8 +16,8 @@ namespace graft {
 /// information matrix, times a noise factor of at most 1.
 class RobustEdges {
  public:
-  using Place = std::pair<std::size_t, std::size_t>;  ///< group and edge
-  using Numbers = std::vector<std::vector<double>>;   ///< per group and edge
+  using Place = EdgePlace;
+  using Numbers = std::vector<std::vector<double>>;  ///< per group and edge
 
   /// Takes the robust kernels off the candidates. Throws Error(kUsage) for a tag of
   /// Graduation::trusted_tags that no edge has.
