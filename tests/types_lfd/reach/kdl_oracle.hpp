@@ -59,26 +59,31 @@ class KdlOracle {
       }
       std::reverse(path.begin(), path.end());
       KDL::Chain read;
+      KDL::Frame fixed = KDL::Frame::Identity();  // what lies between two joints, once
       std::vector<double> low;
       std::vector<double> high;
       for (const auto& joint : path) {
         const auto& o = joint->parent_to_joint_origin_transform;
-        const KDL::Frame frame(
-            KDL::Rotation::Quaternion(o.rotation.x, o.rotation.y, o.rotation.z, o.rotation.w),
-            KDL::Vector(o.position.x, o.position.y, o.position.z));
-        const KDL::Vector axis = frame.M * KDL::Vector(joint->axis.x, joint->axis.y, joint->axis.z);
-        KDL::Joint kind(KDL::Joint::None);
-        if (joint->type == urdf::Joint::PRISMATIC) {
-          kind = KDL::Joint(joint->name, frame.p, axis, KDL::Joint::TransAxis);
-        } else if (joint->type != urdf::Joint::FIXED) {
-          kind = KDL::Joint(joint->name, frame.p, axis, KDL::Joint::RotAxis);
+        const KDL::Frame frame =
+            fixed * KDL::Frame(KDL::Rotation::Quaternion(o.rotation.x, o.rotation.y, o.rotation.z,
+                                                         o.rotation.w),
+                               KDL::Vector(o.position.x, o.position.y, o.position.z));
+        if (joint->type == urdf::Joint::FIXED) {
+          fixed = frame;
+          continue;
         }
-        read.addSegment(KDL::Segment(kind, frame));
-        if (joint->type == urdf::Joint::FIXED) continue;
+        fixed = KDL::Frame::Identity();
+        const KDL::Vector axis = frame.M * KDL::Vector(joint->axis.x, joint->axis.y, joint->axis.z);
+        const bool slides = joint->type == urdf::Joint::PRISMATIC;
+        read.addSegment(
+            KDL::Segment(KDL::Joint(joint->name, frame.p, axis,
+                                    slides ? KDL::Joint::TransAxis : KDL::Joint::RotAxis),
+                         frame));
         const bool bounded = joint->type != urdf::Joint::CONTINUOUS;
         low.push_back(bounded ? joint->limits->lower : -3.14159265358979323846);
         high.push_back(bounded ? joint->limits->upper : 3.14159265358979323846);
       }
+      read.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), fixed));
       lower.resize(static_cast<unsigned>(low.size()));
       upper.resize(lower.rows());
       for (unsigned j = 0; j < lower.rows(); ++j) {
