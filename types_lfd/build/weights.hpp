@@ -53,8 +53,11 @@ struct Weights {
   Sigma grasp_quality{0.0003, 0.0017};
   /// E7: how closely the gripper follows the hand from tuple to tuple.
   Sigma hand_gripper{0.02, 0.14};
-  /// E8: a gripper grasps some centimetres from where the hand did.
-  Sigma resemblance{0.05, 0.26};
+  /// E8: one edge speaks for a whole demonstration, while what a grasp changes for
+  /// the gripper's path and the base is summed over all tuples. A centimetre makes the
+  /// valid grasp nearest to the person's the cheapest one, too: at five, the sums
+  /// outweigh it. In E6's proportion of m to rad, so that both call the same grasp near.
+  Sigma resemblance{0.01, 0.057};
   /// E9: high weight; an arm misses what is a centimetre out of reach.
   Sigma reachability{0.01, 0.05};
   /// E10: grasp poses of two demonstrations.
