@@ -226,6 +226,13 @@ void addOptimize(Program& program, Clock::time_point start) {
                    "converged, those that promise most first; 0 = none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--inner-iterations", solve.inner_iterations,
+          "At most so many after every step for vertices that only edges which choose what "
+          "they measure to tie to others, those held; 0 = none")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
   command->add_option("--time-limit", solve.time_limit, "Stop after this many seconds, 0 = never")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

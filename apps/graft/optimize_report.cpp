@@ -158,6 +158,10 @@ std::string formatSummary(const LoadedGraph& loaded, const Summary& summary,
     row("choices", std::to_string(summary.alternatives_tried) + " others tried, " +
                        std::to_string(summary.alternatives_taken) + " taken");
   }
+  if (summary.inner_parts > 0) {
+    row("inner",
+        std::to_string(summary.inner_parts) + " parts solved by themselves after each step");
+  }
   row("solver",
       summary.linear_solver + (summary.ordering.empty() ? "" : ", ordering " + summary.ordering) +
           (summary.factor_bytes > 0 ? ", " + formatBytes(summary.factor_bytes) : "") + ", " +
@@ -200,6 +204,7 @@ std::string formatJson(const LoadedGraph& loaded, const Summary& summary, const 
   document["factor_flops"] = summary.factor_flops;
   document["factor_bytes"] = summary.factor_bytes;
   document["associations_changed"] = summary.associations_changed;
+  document["inner_parts"] = summary.inner_parts;
   document["alternatives"] = {{"tried", summary.alternatives_tried},
                               {"taken", summary.alternatives_taken}};
   document["notes"] = summary.notes;

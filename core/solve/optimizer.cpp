@@ -11,6 +11,7 @@
 #include "core/base/text.hpp"
 #include "core/solve/alternatives.hpp"
 #include "core/solve/graduated.hpp"
+#include "core/solve/inner_iterations.hpp"
 #include "core/solve/inspection.hpp"
 #include "core/solve/start.hpp"
 #include "core/solve/step_strategy.hpp"
@@ -40,8 +41,8 @@ class Solve {
     summary_.threads = pool_.threads();
     summary_.linear_solver = options.linear_solver;
     summary_.notes = problem_.notes();
-    for (const char* phase :
-         {"analyze", "linearize", "factorize", "solve", "update", "evaluate", "associate"}) {
+    for (const char* phase : {"analyze", "linearize", "factorize", "solve", "update", "inner",
+                              "evaluate", "associate"}) {
       summary_.seconds_by_phase[phase] = 0;
     }
     if (options.graduation.kind != RobustEstimation::kNone) {
@@ -112,9 +113,13 @@ class Solve {
                     edges ? "every vertex with an edge is fixed" : "the graph has no edges");
     }
     std::optional<SolveContext> made;
+    std::optional<InnerIterations> inner;
     try {
       if (!graduate(state, chi2)) return;
       made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
+      // Graduation gives edges weights that a part would not know of.
+      inner.emplace(problem_, registry_, options_.information,
+                    graduated_ == nullptr ? options_.inner_iterations : 0, options_.interrupt);
     } catch (const Error& error) {
       if (error.code() != ExitCode::kNoResult) throw;
       return finish(Status::kFailed, error.what());  // it would not fit into memory
@@ -125,6 +130,8 @@ class Solve {
     summary_.factor_flops = solver_.flops();
     summary_.factor_bytes = solver_.bytes();
     context.setInterrupt(options_.interrupt);
+    summary_.inner_parts = inner->parts();
+    if (inner->parts() > 0) context.setInner(&*inner);
     context.start(std::move(state), chi2);
     loop(context);
     if (summary_.status == Status::kConverged) tryAlternatives(context);

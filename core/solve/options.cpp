@@ -17,6 +17,7 @@ std::string SolveOptions::validate() const {
       number("iterations", iterations, 0, "0 or more"),
       number("threads", threads, 0, "0 or more"),
       number("alternatives", alternatives, 0, "0 or more"),
+      number("inner_iterations", inner_iterations, 0, "0 or more"),
       number("time_limit", time_limit, 0, "0 or more"),
       number("function_tolerance", function_tolerance, 0, "0 or more"),
       number("association_tolerance", association_tolerance, 0, "0 or more"),

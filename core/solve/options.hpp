@@ -66,12 +66,15 @@ struct SolveOptions {
   /// How many other choices of edges that list theirs (GRAFT_EDGE_HAS_ALTERNATIVES) are
   /// tried once converged, those that promise the lowest chi2 first.
   int alternatives = 0;
+  /// At most so many iterations after every step for what hangs on the rest by edges that
+  /// choose alone (core/solve/inner_iterations.hpp); 0 = none.
+  int inner_iterations = 8;
   /// Converged when an accepted step changes chi2 by less than this, relative.
   double function_tolerance = 1e-10;
   /// The same for graphs with edges that choose what they measure to (nearest
   /// grasp, nearest base): chi2 is smooth only until a choice changes, and what
   /// is left below this are changes of choice that only tiny steps get past.
-  double association_tolerance = 1e-5;
+  double association_tolerance = 1e-4;
   /// ... or when the step is shorter than this, relative to the estimates.
   double step_tolerance = 1e-10;
   /// ... or when every entry of the gradient is below this.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/solve/inner_iterations.hpp"
 #include "core/types/plugin_call.hpp"
 
 namespace graft {
@@ -174,6 +175,10 @@ bool SolveContext::evaluateTrial() {
       });
       // An estimate that is not finite makes an edge fail below, if it is used.
     }
+  }
+  if (inner_ != nullptr) {
+    const PhaseTimer timer(*seconds_, "inner");
+    inner_->run(trial_.values, *pool_);
   }
   trial_changed_ = 0;
   if (linearizer_.hasAssociations()) {

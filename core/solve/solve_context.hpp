@@ -12,6 +12,8 @@
 
 namespace graft {
 
+class InnerIterations;
+
 /// Seconds since it was made.
 class Stopwatch {
  public:
@@ -31,9 +33,11 @@ class SolveContext {
   SolveContext(const Problem& problem, LinearSolver& solver, PatternMemory& memory,
                ThreadPool& pool, std::map<std::string, double>& seconds);
 
-  /// Takes over a state whose chi2 is known.
   /// See Linearizer::setInterrupt().
   void setInterrupt(const std::atomic<int>* interrupt) { linearizer_.setInterrupt(interrupt); }
+  /// What runs after every step, before it is judged; null = nothing.
+  void setInner(InnerIterations* inner) { inner_ = inner; }
+  /// Takes over a state whose chi2 is known.
   void start(State state, double chi2);
   /// Forms the linear model at the state.
   Evaluation linearize();
@@ -42,8 +46,8 @@ class SolveContext {
   LinearOutcome factorize(const double* damping);
   /// step() = -(last factor)^-1 gradient; not ok if that is not finite.
   LinearOutcome solveForStep();
-  /// Associates and evaluates the state moved by step(). Returns whether there
-  /// is a finite chi2; it is then trialChi2().
+  /// Associates and evaluates the state moved by step() and inner iterations. Returns
+  /// whether there is a finite chi2; it is then trialChi2().
   bool evaluateTrial();
   /// Factors with the least damping that works and solves for the step; false if none does.
   bool factorizeForStep();
@@ -93,6 +97,7 @@ class SolveContext {
   const Problem* problem_;
   LinearSolver* solver_;
   ThreadPool* pool_;
+  InnerIterations* inner_ = nullptr;
   std::map<std::string, double>* seconds_;
   Linearizer linearizer_;
   NormalEquations equations_;

@@ -56,6 +56,7 @@ struct Summary {
   std::string start_name;                   ///< of the guess, if a plugin's
   std::vector<IterationRecord> iterations;  ///< iterations.size() - 1 were made
   std::int64_t associations_changed = 0;
+  std::size_t inner_parts = 0;  ///< that were solved by themselves after every step
   int alternatives_tried = 0;  ///< other choices of edges that list theirs
   int alternatives_taken = 0;  ///< that led to a lower chi2
   /// Vertices that were held fixed because their component had no anchor, and
@@ -69,7 +70,8 @@ struct Summary {
   int threads = 1;
   double seconds_guess = 0;
   double seconds_solve = 0;
-  /// Seconds by phase: analyze, linearize, factorize, solve, update, associate.
+  /// Seconds by phase: analyze, linearize, factorize, solve, update, inner, associate,
+  /// evaluate.
   std::map<std::string, double> seconds_by_phase;
   std::map<std::string, double> chi2_by_tag;  ///< at the final values
   GraduationReport graduation;

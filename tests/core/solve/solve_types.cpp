@@ -157,6 +157,34 @@ struct Beyond : Edge<Beyond, 1, TestPoint2>, Measured<Numbers<3>>, Associated<1>
   }
 };
 
+struct BeyondSeen : Edge<BeyondSeen, 1, SE2, TestPoint2>, Measured<Numbers<3>>, Associated<1> {
+  static constexpr auto tag = "TEST_BEYOND_SEEN";
+  static constexpr auto doc = "a x + b y >= c for the point less the pose's position";
+  template <class T>
+  Vec<T, 1> error(const SE2<T>& pose, const TestPoint2<T>& p) const {
+    const auto& m = measurement.values;
+    return Vec<T, 1>(*association * (m[0] * (p.coordinates[0] - pose.x) +
+                                     m[1] * (p.coordinates[1] - pose.y) - m[2]));
+  }
+  bool associate(bool first, const SE2<double>& pose, const TestPoint2<double>& p,
+                 const InformationBlock&, double* chosen) const {
+    const auto& m = measurement.values;
+    const double before = *chosen;
+    *chosen =
+        m[0] * (p.coordinates[0] - pose.x) + m[1] * (p.coordinates[1] - pose.y) < m[2] ? 1 : 0;
+    return first || *chosen != before;
+  }
+};
+
+struct Leash : Edge<Leash, 2, SE2, TestPoint2> {
+  static constexpr auto tag = "TEST_LEASH";
+  static constexpr auto doc = "the point is where the pose is";
+  template <class T>
+  Vec<T, 2> error(const SE2<T>& pose, const TestPoint2<T>& p) const {
+    return Vec<T, 2>(p.coordinates[0] - pose.x, p.coordinates[1] - pose.y);
+  }
+};
+
 struct NotFinite : Pull<NotFinite> {
   static constexpr auto tag = "TEST_NAN";
   static constexpr auto doc = "pulls to x y, but is not finite where x > 5";
@@ -279,6 +307,8 @@ int registerTypes(const graft_registrar* registrar, graft_message*) {
   types.add<Nearest>();
   types.add<Choice>();
   types.add<Beyond>();
+  types.add<BeyondSeen>();
+  types.add<Leash>();
   types.add<NotFinite>();
   types.add<Forgets>();
   types.add<Wrong>();

@@ -18,6 +18,8 @@ namespace graft::testing {
 ///  TEST_NEAREST: the point is at the nearest of three anchors (x y x y x y);
 ///  TEST_CHOICE: the same, and lists its choices;
 ///  TEST_BEYOND: a x + b y >= c (a b c), nothing where that holds;
+///  TEST_BEYOND_SEEN: the same for a point less a pose's position, vertices pose, point;
+///  TEST_LEASH: a point is where a pose is, vertices pose, point;
 ///  TEST_NAN: not finite once a point's x is above 5 (x y);
 ///  TEST_FORGETS: leaves its Jacobian unwritten;
 ///  TEST_WRONG: a Jacobian of the wrong sign;
