@@ -51,7 +51,9 @@ void drawIterations(Svg& svg, const Summary& summary, double height) {
   const double factor = std::max(1.1, std::pow(chi2.high / chi2.low, 0.06));
   const Axes axes({60, kTop, 380, height}, steps.padded(0.02, 1),
                   {chi2.low / factor, chi2.high * factor}, true);
-  axes.draw(svg, "iteration", "");
+  // No ticks between two iterations.
+  const int ticks = std::clamp(int(steps.high - steps.low), 1, 6);
+  axes.draw(svg, "iteration", "", ticks);
   PathData line;
   PathData accepted;
   PathData refused;

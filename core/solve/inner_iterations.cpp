@@ -16,10 +16,10 @@ namespace {
 
 /// A part has converged when a step changes its chi2 by less, relative: the next step of
 /// the whole moves what it stands on.
-constexpr double kTolerance = 1e-3;
-/// A step that changes it by less is not made: whether it is better is a matter of rounding,
-/// and the same scene elsewhere would end elsewhere.
-constexpr double kWorthwhile = 1e-9;
+constexpr double kTolerance = 1e-4;
+/// A step that changes it by less is not made: tiny ones, found by strong damping beside a
+/// change of choice, hang on rounding, so that the same scene elsewhere would end elsewhere.
+constexpr double kWorthwhile = 1e-5;
 
 /// Full steps from the start run from one choice into the next, far and back: shorter ones
 /// end sooner, and do not multiply rounding on their way.

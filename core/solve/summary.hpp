@@ -57,8 +57,8 @@ struct Summary {
   std::vector<IterationRecord> iterations;  ///< iterations.size() - 1 were made
   std::int64_t associations_changed = 0;
   std::size_t inner_parts = 0;  ///< that were solved by themselves after every step
-  int alternatives_tried = 0;  ///< other choices of edges that list theirs
-  int alternatives_taken = 0;  ///< that led to a lower chi2
+  int alternatives_tried = 0;   ///< other choices of edges that list theirs
+  int alternatives_taken = 0;   ///< that led to a lower chi2
   /// Vertices that were held fixed because their component had no anchor, and
   /// other remarks a user should read; one text each.
   std::vector<std::string> notes;

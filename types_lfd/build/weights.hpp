@@ -49,14 +49,15 @@ struct Weights {
   Sigma human_grasp{0.0005, 0.0044};
   Sigma robot_grasp{0.0005, 0.0044};
   /// E6 against E8 and E9: a sampled grasp is one that holds, so the gripper goes
-  /// there within what its fingers give; base and offset to the hand adapt.
-  Sigma grasp_quality{0.0003, 0.0017};
+  /// right there; base and offset to the hand adapt.
+  Sigma grasp_quality{0.0001, 0.00057};
   /// E7: how closely the gripper follows the hand from tuple to tuple.
   Sigma hand_gripper{0.02, 0.14};
   /// E8: one edge speaks for a whole demonstration, while what a grasp changes for
-  /// the gripper's path and the base is summed over all tuples. A centimetre makes the
-  /// valid grasp nearest to the person's the cheapest one, too: at five, the sums
-  /// outweigh it. In E6's proportion of m to rad, so that both call the same grasp near.
+  /// the gripper's path and the base is summed over all tuples. At a centimetre the
+  /// valid grasp nearest to the person's is the cheapest one, too; at five the sums
+  /// outweigh it, at half a one it pulls the hand off its track. In E6's proportion of
+  /// m to rad, so that both call the same grasp near.
   Sigma resemblance{0.01, 0.057};
   /// E9: high weight; an arm misses what is a centimetre out of reach.
   Sigma reachability{0.01, 0.05};

@@ -46,6 +46,20 @@ TEST(Report, WritesPageAndPicturesSoundly) {
   EXPECT_EQ(occurrences(html, "<svg class"), 9u);
 }
 
+TEST(Report, AFewIterationsHaveWholeNumbers) {
+  lfd::LearnResult result = syntheticResult();
+  result.summary.iterations.clear();
+  for (int i = 0; i <= 4; ++i) {
+    IterationRecord record;
+    record.iteration = i;
+    record.chi2 = 1e4 / (i + 1);
+    result.summary.iterations.push_back(record);
+  }
+  const std::string svg = writtenReport(result).at("pictures/convergence.svg");
+  EXPECT_TRUE(has(svg, ">3</text>"));
+  EXPECT_FALSE(has(svg, ">1.5</text>"));
+}
+
 TEST(Report, TableHoldsTheMetrics) {
   const lfd::LearnResult result = syntheticResult();
   const auto rows = tableRowsOf(writtenReport(result).at("report.html"));
