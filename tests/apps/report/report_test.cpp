@@ -57,7 +57,7 @@ TEST(Report, AFewIterationsHaveWholeNumbers) {
   }
   const std::string svg = writtenReport(result).at("pictures/convergence.svg");
   EXPECT_TRUE(has(svg, ">3</text>"));
-  EXPECT_FALSE(has(svg, ">1.5</text>"));
+  EXPECT_FALSE(has(svg, ">2.5</text>"));
 }
 
 TEST(Report, TableHoldsTheMetrics) {
