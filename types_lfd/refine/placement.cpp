@@ -15,6 +15,14 @@ constexpr double kTurnRadius = 0.3;
 constexpr double kBaseSpeed = 1.5;  // m/s
 constexpr double kBaseTurn = 2.0;   // rad/s
 
+/// To a hundredth of a millimetre (radian). Arms at their speed limits and choices of
+/// postures multiply what poses carry of rounding until the same scene elsewhere ends
+/// elsewhere; rounded, both begin with the same bits.
+double rounded(double value) {
+  constexpr double kGrid = 0x1p-17;
+  return std::round(value / kGrid) * kGrid;
+}
+
 }  // namespace
 
 double BaseOffset::length() const {
@@ -35,6 +43,16 @@ Placement::Placement(const DemonstrationEstimate& demo, const TaskScene& scene)
     const double heading = demo.base[demo.segments.grasp].theta;
     cosine_ = std::cos(heading);
     sine_ = std::sin(heading);
+    const Pose2 back = demo.base[demo.segments.grasp].inverse();
+    for (std::size_t i = 0; i < demo.size(); ++i) {
+      const Pose2 base = back * demo.base[i];
+      base_.emplace_back(rounded(base.x), rounded(base.y), rounded(wrapAngle(base.theta)));
+      const Pose gripper = floorPose(back) * demo.gripper[i];
+      gripper_.emplace_back(
+          Vec<double, 3>(gripper.translation.unaryExpr(&rounded)),
+          Eigen::Quaterniond(Eigen::Vector4d(gripper.rotation.coeffs().unaryExpr(&rounded)))
+              .normalized());
+    }
   }
 }
 
@@ -57,17 +75,21 @@ BaseOffset Placement::between(std::size_t i, std::size_t begin, const BaseOffset
                               std::size_t end, const BaseOffset& at_end) const {
   if (at_begin.zero() && at_end.zero()) return {};
   const double f = seconds(begin, i) / seconds(begin, end);
-  const Pose2 a = base(begin, at_begin);
-  const Pose2 b = base(end, at_end);
-  const Pose2& here = demo_.base[i];
+  const Pose2 a = seenBase(begin, at_begin);
+  const Pose2 b = seenBase(end, at_end);
+  const Pose2& here = base_[i];
   const double theta = a.theta + f * wrapAngle(b.theta - a.theta);
-  const double x = a.x + f * (b.x - a.x) - here.x;
-  const double y = a.y + f * (b.y - a.y) - here.y;
-  return {cosine_ * x + sine_ * y, cosine_ * y - sine_ * x, wrapAngle(theta - here.theta)};
+  return {a.x + f * (b.x - a.x) - here.x, a.y + f * (b.y - a.y) - here.y,
+          wrapAngle(theta - here.theta)};
+}
+
+Pose2 Placement::seenBase(std::size_t i, const BaseOffset& offset) const {
+  const Pose2& b = base_[i];
+  return {b.x + offset.x, b.y + offset.y, wrapAngle(b.theta + offset.yaw)};
 }
 
 Pose Placement::baseToGripper(std::size_t i, const BaseOffset& offset) const {
-  return floorPose(base(i, offset)).inverse() * demo_.gripper[i];
+  return floorPose(seenBase(i, offset)).inverse() * gripper_[i];
 }
 
 bool Placement::collides(std::size_t i, const BaseOffset& offset) const {
@@ -75,7 +97,7 @@ bool Placement::collides(std::size_t i, const BaseOffset& offset) const {
 }
 
 bool Placement::reaches(std::size_t i, const BaseOffset& offset) const {
-  return scene_.reach->contains(demo_.gripper[i], base(i, offset));
+  return scene_.reach->contains(gripper_[i], seenBase(i, offset));
 }
 
 bool Placement::stands(std::size_t i, const BaseOffset& offset) const {
@@ -156,8 +178,8 @@ double Placement::speedRatio(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
 
 double Placement::baseSpeedRatio(std::size_t a, const BaseOffset& at_a, std::size_t b,
                                  const BaseOffset& at_b) const {
-  const Pose2 from = base(a, at_a);
-  const Pose2 to = base(b, at_b);
+  const Pose2 from = seenBase(a, at_a);
+  const Pose2 to = seenBase(b, at_b);
   const double speed = std::hypot(to.x - from.x, to.y - from.y) / kBaseSpeed;
   const double turn = std::abs(wrapAngle(to.theta - from.theta)) / kBaseTurn;
   return std::max(speed, turn) / seconds(a, b);

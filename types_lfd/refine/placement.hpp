@@ -50,6 +50,7 @@ class Placement {
   void holdHeight(double height);
 
   Pose2 base(std::size_t i, const BaseOffset& offset) const;
+  Pose baseToGripper(std::size_t i, const BaseOffset& offset) const;
   /// Offset of a tuple on the way between two others: none if neither has one,
   /// else the straight way of the base (jumps of the optimized one are left out).
   BaseOffset between(std::size_t i, std::size_t begin, const BaseOffset& at_begin, std::size_t end,
@@ -83,7 +84,8 @@ class Placement {
   std::vector<Eigen::VectorXd> findPostures(std::uint64_t seed) const;
 
  private:
-  Pose baseToGripper(std::size_t i, const BaseOffset& offset) const;
+  /// Base as the one at the grasp sees it; its axes are those of offsets.
+  Pose2 seenBase(std::size_t i, const BaseOffset& offset) const;
 
   const DemonstrationEstimate& demo_;
   const TaskScene& scene_;
@@ -91,6 +93,8 @@ class Placement {
   IkOptions ik_;
   double cosine_ = 1;  ///< of the heading of the offsets' axes
   double sine_ = 0;
+  std::vector<Pose2> base_;    ///< where the base at the grasp sees them, rounded
+  std::vector<Pose> gripper_;  ///< the same
 };
 
 }  // namespace graft::lfd

@@ -62,7 +62,7 @@ double TrackRefiner::faults(const Path& path, std::size_t begin, std::size_t end
 TrackRefiner::Path TrackRefiner::asOptimized() const {
   std::vector<Pose> base_T_gripper;
   for (std::size_t i = 0; i < demo_.size(); ++i) {
-    base_T_gripper.push_back(floorPose(demo_.base[i]).inverse() * demo_.gripper[i]);
+    base_T_gripper.push_back(placement_.baseToGripper(i, {}));
   }
   // Only to see whether all is well already: no long search where it is not.
   IkTrackOptions options;
