@@ -16,9 +16,7 @@ import files
 from program import BUILD, run
 
 SEEDS = [int(s) for s in os.environ.get("SEEDS", "21 22 23 24 25").split()]
-# Relative: a solve has converged when a step changes chi2 by less (association_tolerance),
-# so that no final chi2 is known better.
-SAME = 1e-4
+SAME = 1e-6  # relative, of chi2
 
 
 def optimized(graph):
