@@ -55,8 +55,8 @@ struct Weights {
   Sigma hand_gripper{0.02, 0.14};
   /// E8: one edge speaks for a whole demonstration, while what a grasp changes for
   /// the gripper's path and the base is summed over all tuples. At a centimetre the
-  /// valid grasp nearest to the person's is the cheapest one, too; at five the sums
-  /// outweigh it, at half a one it pulls the hand off its track. In E6's proportion of
+  /// valid grasp nearest to the person's is mostly the cheapest one, too; at five the
+  /// sums often outweigh it, at 0.7 it pulls the hand off its track. In E6's proportion of
   /// m to rad, so that both call the same grasp near.
   Sigma resemblance{0.01, 0.057};
   /// E9: high weight; an arm misses what is a centimetre out of reach.
