@@ -159,8 +159,8 @@ std::string formatSummary(const LoadedGraph& loaded, const Summary& summary,
                        std::to_string(summary.alternatives_taken) + " taken");
   }
   if (summary.inner_parts > 0) {
-    row("inner",
-        std::to_string(summary.inner_parts) + " parts solved by themselves after each step");
+    row("inner", std::to_string(summary.inner_parts) +
+                     (summary.inner_parts == 1 ? " part" : " parts") + ", solved after each step");
   }
   row("solver",
       summary.linear_solver + (summary.ordering.empty() ? "" : ", ordering " + summary.ordering) +

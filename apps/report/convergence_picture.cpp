@@ -52,7 +52,7 @@ void drawIterations(Svg& svg, const Summary& summary, double height) {
   const Axes axes({60, kTop, 380, height}, steps.padded(0.02, 1),
                   {chi2.low / factor, chi2.high * factor}, true);
   // No ticks between two iterations.
-  const int ticks = std::clamp(int(steps.high - steps.low), 1, 6);
+  const int ticks = std::clamp(int(steps.size()), 1, 6);
   axes.draw(svg, "iteration", "", ticks);
   PathData line;
   PathData accepted;

@@ -118,8 +118,10 @@ class Solve {
       if (!graduate(state, chi2)) return;
       made.emplace(problem_, solver_, memory_, pool_, summary_.seconds_by_phase);
       // Graduation gives edges weights that a part would not know of.
+      const Stopwatch building;
       inner.emplace(problem_, registry_, options_.information,
                     graduated_ == nullptr ? options_.inner_iterations : 0, options_.interrupt);
+      summary_.seconds_by_phase["inner"] += building.seconds();
     } catch (const Error& error) {
       if (error.code() != ExitCode::kNoResult) throw;
       return finish(Status::kFailed, error.what());  // it would not fit into memory

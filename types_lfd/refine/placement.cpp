@@ -97,7 +97,7 @@ bool Placement::collides(std::size_t i, const BaseOffset& offset) const {
 }
 
 bool Placement::reaches(std::size_t i, const BaseOffset& offset) const {
-  return scene_.reach->contains(gripper_[i], seenBase(i, offset));
+  return scene_.reach->contains(demo_.gripper[i], base(i, offset));
 }
 
 bool Placement::stands(std::size_t i, const BaseOffset& offset) const {

@@ -50,6 +50,7 @@ class Placement {
   void holdHeight(double height);
 
   Pose2 base(std::size_t i, const BaseOffset& offset) const;
+  /// What the arm is solved for: base_T_gripper, of rounded poses.
   Pose baseToGripper(std::size_t i, const BaseOffset& offset) const;
   /// Offset of a tuple on the way between two others: none if neither has one,
   /// else the straight way of the base (jumps of the optimized one are left out).

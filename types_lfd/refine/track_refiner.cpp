@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "types_lfd/build/graph_builder.hpp"
-
 namespace graft::lfd {
 
 namespace {

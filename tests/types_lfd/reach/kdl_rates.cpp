@@ -4,10 +4,12 @@
 // that lies farther from the shoulder than the arm is long needs no search, and one
 // that another solver has reached is reachable.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
+#include "core/base/error.hpp"
+#include "core/base/text.hpp"
 #include "tests/types_lfd/reach/kdl_oracle.hpp"
 #include "types_lfd/reach/reach_verify.hpp"
 
@@ -24,7 +26,8 @@ class TooFar {
   explicit TooFar(const Chain& chain) {
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(chain.dof());
     const Eigen::Matrix3Xd at = chain.origins(zero);
-    first_ = chain.dof() > 0 && chain.prismatic(0) ? 1 : 0;
+    first_ = chain.prismatic(0) && chain.dof() > 1 ? 1 : 0;
+    usable_ = !chain.prismatic(first_);
     Eigen::VectorXd low = zero;
     Eigen::VectorXd high = zero;
     if (first_ == 1) {
@@ -58,20 +61,25 @@ class TooFar {
   Eigen::Vector3d wrist_;
 };
 
-}  // namespace
-
-int main(int count, char** arguments) {
-  if (count != 5) {
+int run(int count, char** arguments) {
+  double poses_given = 0;
+  double seed_given = 0;
+  const auto whole = [](const char* text, double least, double& value) {
+    return parseDouble(text, value) == NumberStatus::kOk && value >= least && value <= 1e9 &&
+           value == std::floor(value);
+  };
+  if (count != 5 || !whole(arguments[3], 1, poses_given) || !whole(arguments[4], 0, seed_given)) {
     std::fprintf(stderr, "Usage: %s URDF TIP_LINK POSES SEED  (base link: base_footprint)\n",
                  arguments[0]);
     return 2;
   }
   const std::string path = arguments[1];
   const std::string tip = arguments[2];
-  const int poses = std::atoi(arguments[3]);
-  const auto seed = static_cast<std::uint64_t>(std::atoll(arguments[4]));
+  const int poses = static_cast<int>(poses_given);
+  const auto seed = static_cast<std::uint64_t>(seed_given);
   Diagnostics diagnostics;
   const Chain chain(readUrdf(path, diagnostics), "base_footprint", tip);
+  for (const std::string& line : diagnostics.lines()) std::fprintf(stderr, "%s\n", line.c_str());
   const ReachMap map = ReachMap::build(chain, ReachOptions());
   const TooFar too_far(chain);
   const ReachOracle own = ikOracle(chain, 30);
@@ -103,4 +111,15 @@ int main(int count, char** arguments) {
       rates.true_positive, rates.true_negative, poses, static_cast<unsigned long long>(seed),
       by_length, by_kdl, found_by_kdl_alone);
   return 0;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  try {
+    return run(count, arguments);
+  } catch (const graft::Error& error) {
+    std::fprintf(stderr, "%s\n", error.formatted().c_str());
+    return static_cast<int>(error.code());
+  }
 }
