@@ -190,13 +190,15 @@ bool predict(const Rest& rest, LoneEdge& edge, Alternative& alternative) {
 
 }  // namespace
 
+bool hasAlternatives(const Problem& problem) {
+  const auto& all = problem.groups();
+  return std::any_of(all.begin(), all.end(),
+                     [](const EdgeGroup& g) { return listsChoices(*g.type); });
+}
+
 std::vector<Alternative> findAlternatives(SolveContext& context) {
   std::vector<Alternative> found;
   const auto& all = context.problem().groups();
-  if (std::none_of(all.begin(), all.end(),
-                   [](const EdgeGroup& g) { return listsChoices(*g.type); })) {
-    return found;
-  }
   if (!context.linearize().ok() || !context.factorizeForStep()) return found;
   for (std::size_t g = 0; g < all.size(); ++g) {
     if (!listsChoices(*all[g].type)) continue;

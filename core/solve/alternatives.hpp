@@ -30,6 +30,9 @@ struct Alternative {
 /// per tangent dimension of such an edge. Empty if the linear model cannot be factored.
 std::vector<Alternative> findAlternatives(SolveContext& context);
 
+/// Whether any edge of the problem has alternatives.
+bool hasAlternatives(const Problem& problem);
+
 /// What the edge of an alternative has chosen at the context's state.
 Alternative currentChoice(const SolveContext& context, Alternative of);
 

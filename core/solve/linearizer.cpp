@@ -124,7 +124,21 @@ Evaluation Linearizer::begin(const Values& values, State& state) const {
 }
 
 Evaluation Linearizer::associate(State& state, std::int64_t& changed) const {
-  return associateAll(state, false, changed);
+  if (!held_) return associateAll(state, false, changed);
+  const auto [group, edge] = *held_;
+  const auto dim = std::size_t(problem_->groups()[group].type->association_dim);
+  const auto at = state.associations[group].begin() + std::ptrdiff_t(edge * dim);
+  const std::vector<double> own(at, at + std::ptrdiff_t(dim));
+  Evaluation evaluation = associateAll(state, false, changed);
+  if (std::equal(own.begin(), own.end(), at)) return evaluation;
+  std::copy(own.begin(), own.end(), at);
+  --changed;
+  return evaluation;
+}
+
+void Linearizer::hold(const EdgePlace* edge) {
+  held_.reset();
+  if (edge != nullptr) held_ = *edge;
 }
 
 Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& changed) const {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,6 +50,8 @@ class Linearizer {
   Evaluation squaredErrors(const State& state, std::vector<std::vector<double>>& squares) const;
   /// Chooses associations anew at the state's estimates; adds to `changed`.
   Evaluation associate(State& state, std::int64_t& changed) const;
+  /// From now on associate() leaves the association of this edge as it is; null = of none.
+  void hold(const EdgePlace* edge);
   /// Gives every edge of `state` the association of `other` where its squared error at
   /// the state's estimates is greater by that; appends those to `taken`.
   Evaluation takeGreater(State& state, const State& other, std::vector<EdgePlace>& taken) const;
@@ -88,6 +91,7 @@ class Linearizer {
   std::vector<std::vector<double>> residuals_;
   std::vector<std::vector<double>> jacobians_;
   bool has_associations_ = false;
+  std::optional<EdgePlace> held_;
 };
 
 }  // namespace graft

@@ -134,9 +134,11 @@ class Solve {
     context.setInterrupt(options_.interrupt);
     summary_.inner_parts = inner->parts();
     if (inner->parts() > 0) context.setInner(&*inner);
+    std::optional<State> first;
+    if (options_.alternatives > 0 && hasAlternatives(problem_)) first = state;
     context.start(std::move(state), chi2);
     loop(context);
-    if (summary_.status == Status::kConverged) tryAlternatives(context);
+    if (first && summary_.status == Status::kConverged) tryAlternatives(context, *first);
     noteFreeDirections(context);
     summary_.associations_changed = context.associationsChanged();
     summary_.chi2_final = context.chi2();
@@ -256,11 +258,12 @@ class Solve {
     }
   }
 
-  /// Whether other choices of edges lead lower, those first that promise most.
-  void tryAlternatives(SolveContext& context) {
-    // Predictions are as linear as the model: what is worse by one standard deviation of one
-    // measurement may still be better in truth.
-    constexpr double kDoubt = 1;
+  /// Whether other choices of edges lead lower from the first state on, those first that
+  /// promise most.
+  void tryAlternatives(SolveContext& context, const State& first) {
+    // Predictions are as linear as the model: what is worse by three standard deviations of
+    // one measurement may still be better in truth.
+    constexpr double kDoubt = 9;
     std::vector<Alternative> been;  // choices that were tried or left
     std::vector<Alternative> found;
     while (summary_.alternatives_tried < options_.alternatives && !isOver()) {
@@ -277,8 +280,10 @@ class Solve {
       const double chi2 = context.chi2();
       const int factorizations = context.factorizations();
       const std::int64_t changed = context.associationsChanged();
-      if (context.follow(next->group, next->edge, next->association)) pursue(context, chi2);
-      if (!(context.chi2() < chi2)) {
+      const EdgePlace edge(next->group, std::size_t(next->edge));
+      const bool held = context.hold(first, edge, next->association);
+      if (held) pursue(context, chi2);
+      if (!context.release() || !held || !(context.chi2() < chi2)) {
         context.restore(kept, chi2);
         continue;
       }
@@ -296,12 +301,16 @@ class Solve {
 
   /// Iterates as long as that may end below a chi2.
   void pursue(SolveContext& context, double wanted) {
-    constexpr double kOutlook = 3;  // more than this many times the last gain is not expected
+    constexpr double kOutlook = 10;  // more than this many times the last gain is not expected
     const std::unique_ptr<StepStrategy> strategy = StepStrategy::create(options_);
+    bool linearized = false;
     for (int i = 0; i < options_.iterations && !isOver(); ++i) {
       const double before = context.chi2();
-      if (!context.linearize().ok()) return;
-      if (strategy->iterate(context).kind != StepResult::Kind::kAccepted) return;
+      if (!linearized && !context.linearize().ok()) return;
+      const StepResult::Kind kind = strategy->iterate(context).kind;
+      linearized = kind == StepResult::Kind::kRefused;
+      if (linearized) continue;
+      if (kind != StepResult::Kind::kAccepted) return;
       const double change = before - context.chi2();
       if (change <= options_.association_tolerance * before) return;
       if (context.chi2() - kOutlook * change > wanted) return;

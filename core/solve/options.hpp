@@ -64,8 +64,9 @@ struct SolveOptions {
   int threads = 0;        ///< 0 = all processors; results do not depend on it
   double time_limit = 0;  ///< seconds, 0 = none; checked between iterations
   /// How many other choices of edges that list theirs (GRAFT_EDGE_HAS_ALTERNATIVES) are
-  /// tried once converged, those that promise the lowest chi2 first; 0 = none.
-  int alternatives = 0;
+  /// tried once converged, from the first state on, those that promise the lowest chi2
+  /// first; 0 = none. Free where no edge lists any.
+  int alternatives = 3;
   /// At most so many iterations after every step for what hangs on the rest by edges that
   /// choose alone (core/solve/inner_iterations.hpp); 0 = none.
   int inner_iterations = 8;

@@ -147,14 +147,22 @@ bool SolveContext::solve(const std::vector<double>& b, std::vector<double>& x) {
   return sum == 0;
 }
 
-bool SolveContext::follow(std::size_t group, std::int64_t edge,
-                          const std::vector<double>& association) {
-  anticipated_ = state_;
-  std::copy(association.begin(), association.end(),
-            anticipated_.associations[group].begin() + edge * std::int64_t(association.size()));
-  if (!linearizeAt(anticipated_).ok() || !factorizeForStep() || !evaluateTrial()) return false;
-  acceptTrial();
-  return true;
+bool SolveContext::hold(State state, const EdgePlace& edge,
+                        const std::vector<double>& association) {
+  linearizer_.hold(&edge);
+  std::copy(
+      association.begin(), association.end(),
+      state.associations[edge.first].begin() + std::ptrdiff_t(edge.second * association.size()));
+  const Evaluation evaluation = linearizer_.evaluate(state);
+  if (evaluation.ok()) restore(std::move(state), evaluation.chi2);
+  return evaluation.ok();
+}
+
+bool SolveContext::release() {
+  linearizer_.hold(nullptr);
+  trial_ = state_;
+  std::int64_t changed = 0;
+  return linearizer_.associate(trial_, changed).ok() && changed == 0;
 }
 
 void SolveContext::restore(State state, double chi2) {

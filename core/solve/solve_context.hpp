@@ -53,9 +53,12 @@ class SolveContext {
   bool factorizeForStep();
   /// x = (last factor)^-1 b; false if it is not finite.
   bool solve(const std::vector<double>& b, std::vector<double>& x);
-  /// Moves to where the linear model leads with another association of an edge, and
-  /// associates anew there, whether that lowers chi2 or not. False if it cannot.
-  bool follow(std::size_t group, std::int64_t edge, const std::vector<double>& association);
+  /// Goes to a state of this problem, but with another association of an edge, which it
+  /// keeps from then on. False if there is no chi2 there.
+  bool hold(State state, const EdgePlace& edge, const std::vector<double>& association);
+  /// Lets the edge of hold() choose again; returns whether no edge would choose anew at the
+  /// state, which stays as it is.
+  bool release();
   /// Goes back to a state of this context.
   void restore(State state, double chi2);
   /// After a refused trial: forms the linear model at the state anew, with the trial's

@@ -4,7 +4,8 @@
 grasp as the only one, and the final chi2 are compared.
 
 Usage: GRAFT_BINARY_DIR=build grasp_choice.py TASK... (SEEDS="21 22": of taught scenes).
-Prints a line a scene; exit code 1 if one of twenty scenes or more has a better grasp."""
+Prints a line a scene; exit code 1 if more than one of twenty scenes has a better grasp.
+What learn does not choose from, as it is not like the person's, counts as well."""
 import json
 import os
 import shutil

@@ -10,6 +10,7 @@ import re
 import shutil
 import unittest
 
+import bounds
 from files import Task
 from floor_map import FloorMap
 from program import PROGRAM, FolderTest
@@ -171,6 +172,13 @@ class SharedTasks(ResultTest):
 
     def test_real_motion_capture(self):
         self.expect_true_of("mocap_suitcase")
+        # A cheaper grasp is turned by ten degrees against the person's.
+        rows = bounds.rows(self.data("tasks/mocap_suitcase/task.xml"),
+                           self.path("mocap_suitcase"), "swivel_door")
+        like = {row: (value, bound) for row, value, bound, _ in rows if "gripper_hand" in row}
+        self.assertEqual(len(like), 2)
+        for row, (value, bound) in like.items():
+            self.assertLessEqual(value, bound, row)
 
 
 if __name__ == "__main__":

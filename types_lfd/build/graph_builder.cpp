@@ -81,8 +81,11 @@ class Builder {
   }
 
   void addResources(const ResourceFiles& files) {
-    graph_.resources.push_back(
-        {"LFD_GRASP_SET", kGraspSet, {files.grasps, formatDouble(prepared_.task.min_quality)}});
+    std::vector<std::string> grasps{files.grasps, formatDouble(prepared_.task.min_quality)};
+    for (const double x : numbers(meanGrasp())) grasps.push_back(formatDouble(x));
+    grasps.push_back(formatDouble(w_.grasp_quality.t));
+    grasps.push_back(formatDouble(w_.grasp_quality.r));
+    graph_.resources.push_back({"LFD_GRASP_SET", kGraspSet, grasps});
     graph_.resources.push_back({"LFD_REACH_MAP", kReachMap, {files.reach_map}});
     std::vector<std::string> space{files.map.empty() ? "-" : files.map};
     for (const Eigen::Vector2d& corner : prepared_.task.robot.footprint) {
@@ -92,14 +95,19 @@ class Builder {
     graph_.resources.push_back({"LFD_FREE_SPACE", kFreeSpace, space});
   }
 
-  void addGraspVertices() {
+  /// object_T_hand, over the manipulation of all demonstrations.
+  Pose meanGrasp() const {
     std::vector<Pose> held;
     for (const PreparedDemonstration& d : prepared_.demonstrations) {
       for (std::size_t i = d.segments.grasp; i <= d.segments.release; ++i) {
         held.push_back(d.matched.object.poses[i].inverse() * d.gripperLikeHand(i));
       }
     }
-    const Pose mean = meanPose(held);
+    return meanPose(held);
+  }
+
+  void addGraspVertices() {
+    const Pose mean = meanGrasp();
     addPose(GraphLayout::kHumanGrasp, mean);
     addPose(GraphLayout::kRobotGrasp, mean);
     for (std::size_t d = 0; d < prepared_.demonstrations.size(); ++d) {

@@ -90,10 +90,10 @@ struct TurnedResemblanceEdge : Edge<TurnedResemblanceEdge, 6, SE3> {
   }
 };
 
-/// E6, paper eq. 6: e = V_RG^-1 g, g the valid grasp that is nearest by this
-/// edge's own metric e' Omega e. A parallel gripper may grasp turned by half a
-/// turn about its approach axis, so every sample counts twice. Association:
-/// pose of g (7), row in the file, 1 if turned.
+/// E6, paper eq. 6: e = V_RG^-1 g, g the candidate of the grasp set that is nearest
+/// by this edge's own metric e' Omega e. A parallel gripper may grasp turned by half
+/// a turn about its approach axis, so every sample counts twice. Association: pose of
+/// g (7), row in the file, 1 if turned.
 struct GraspQualityEdge : Edge<GraspQualityEdge, 6, SE3>, Associated<9>, Using<GraspSet> {
   static constexpr auto tag = "LFD_GRASP_QUALITY";
   static constexpr auto doc = "E6: gripper at the nearest valid grasp (paper eq. 6)";
@@ -104,47 +104,36 @@ struct GraspQualityEdge : Edge<GraspQualityEdge, 6, SE3>, Associated<9>, Using<G
   void jacobians(const Pose& object_T_gripper, JacobianBlock<6, 6> by_grasp) const {
     PoseChainDerivatives(object_T_gripper, Pose(), Pose::fromArray(association)).byZ(by_grasp);
   }
-  /// Every valid grasp, straight and turned.
   bool alternative(int k, double* chosen) const {
-    const auto& grasps = resource<>().valid();
-    const auto i = static_cast<std::size_t>(k / 2);
-    if (i >= grasps.size()) return false;
-    choose(grasps[i], k % 2 != 0, chosen);
+    const auto& candidates = resource<>().candidates();
+    if (static_cast<std::size_t>(k) >= candidates.size()) return false;
+    choose(candidates[static_cast<std::size_t>(k)], chosen);
     return true;
   }
   bool associate(bool first, const Pose& object_T_gripper, const InformationBlock& information,
                  double* chosen) const {
-    const auto& grasps = resource<>().valid();
-    double best = 0;
-    int best_index = -1;
-    bool best_turned = false;
-    for (std::size_t i = 0; i < grasps.size(); ++i) {
-      for (const bool turned : {false, true}) {
-        const Pose pose = poseOf(grasps[i], turned);
-        const Vec<double, 6> e = poseError(object_T_gripper.inverse() * pose);
-        const double cost = e.dot(information * e);
-        if (best_index < 0 || cost < best) {
-          best = cost;
-          best_index = static_cast<int>(i);
-          best_turned = turned;
-        }
-      }
+    const Pose gripper_T_object = object_T_gripper.inverse();
+    double least = 0;
+    const GraspSet::Candidate* best = nullptr;
+    for (const GraspSet::Candidate& candidate : resource<>().candidates()) {
+      const Vec<double, 6> e = poseError(gripper_T_object * candidate.object_T_gripper);
+      const double cost = e.dot(information * e);
+      if (best != nullptr && !(cost < least)) continue;
+      least = cost;
+      best = &candidate;
     }
-    if (best_index < 0) throw Error(ExitCode::kNoResult, "the grasp set is empty");
+    if (best == nullptr) throw Error(ExitCode::kNoResult, "the grasp set is empty");
     const double row = chosen[7];
     const double turned = chosen[8];
-    choose(grasps[static_cast<std::size_t>(best_index)], best_turned, chosen);
+    choose(*best, chosen);
     return first || chosen[7] != row || chosen[8] != turned;
   }
 
  private:
-  static Pose poseOf(const Grasp& grasp, bool turned) {
-    return turned ? flippedGrasp(grasp.object_T_gripper) : grasp.object_T_gripper;
-  }
-  static void choose(const Grasp& grasp, bool turned, double* chosen) {
-    poseOf(grasp, turned).toArray(chosen);
-    chosen[7] = grasp.row;
-    chosen[8] = turned ? 1 : 0;
+  static void choose(const GraspSet::Candidate& candidate, double* chosen) {
+    candidate.object_T_gripper.toArray(chosen);
+    chosen[7] = candidate.row;
+    chosen[8] = candidate.flipped ? 1 : 0;
   }
 };
 
@@ -168,7 +157,8 @@ template <>
 struct graft::ResourceTag<graft::lfd::GraspSet> {
   static constexpr const char* kTag = "LFD_GRASP_SET";
   static constexpr const char* kDoc = "sampled grasps in the object's frame";
-  static constexpr const char* kFields = "file min_quality";
+  static constexpr const char* kFields =
+      "file min_quality [x y z qx qy qz qw sigma_t sigma_r: only grasps like this one]";
   static std::unique_ptr<const lfd::GraspSet> load(const std::string& directory,
                                                    const std::vector<std::string>& tokens);
 };

@@ -77,6 +77,29 @@ double cost(const Pose& gripper_T_object, const Pose& object_T_grasp, double sig
 
 }  // namespace
 
+GraspSet::GraspSet(std::vector<Grasp> valid) : valid_(std::move(valid)) {
+  for (int i = 0; i < static_cast<int>(valid_.size()); ++i) {
+    const int row = valid_[static_cast<std::size_t>(i)].row;
+    for (const bool flipped : {false, true})
+      candidates_.push_back({pose(i, flipped), row, flipped});
+  }
+}
+
+void GraspSet::keepLike(const Pose& object_T_hand, double sigma_t, double sigma_r) {
+  if (candidates_.empty()) return;
+  const Pose hand_T_object = object_T_hand.inverse();
+  const auto offset = [&](const Pose& grasp) { return poseError(hand_T_object * grasp); };
+  const Vec<double, 6> least = offset(pose(nearest(object_T_hand, sigma_t, sigma_r)));
+  const double distance = least.head<3>().norm() + kFartherDistance;
+  const double angle = least.tail<3>().norm() + kFartherAngle;
+  const auto is_farther = [&](const Candidate& c) {
+    const Vec<double, 6> e = offset(c.object_T_gripper);
+    return e.head<3>().norm() > distance || e.tail<3>().norm() > angle;
+  };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), is_farther),
+                    candidates_.end());
+}
+
 GraspSet GraspSet::read(const std::string& csv_path, double min_quality, Diagnostics& diagnostics) {
   const std::size_t errors = diagnostics.errorCount();
   const std::string content = readFile(csv_path);

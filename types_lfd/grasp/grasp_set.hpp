@@ -29,8 +29,19 @@ class GraspSet {
     double cost = 0;
   };
 
+  /// A valid grasp, one way round.
+  struct Candidate {
+    Pose object_T_gripper;
+    int row = 0;
+    bool flipped = false;
+  };
+
+  /// How much farther from a person's grasp than the nearest one another may be.
+  static constexpr double kFartherDistance = 0.005;     // m
+  static constexpr double kFartherAngle = 0.034906585;  // rad, 2 degrees
+
   GraspSet() = default;
-  explicit GraspSet(std::vector<Grasp> valid) : valid_(std::move(valid)) {}
+  explicit GraspSet(std::vector<Grasp> valid);
 
   /// Reads `x,y,z,qx,qy,qz,qw,quality` lines below exactly that header. Keeps
   /// grasps with quality >= min_quality. Quaternions are normalised (length off
@@ -40,6 +51,15 @@ class GraspSet {
   static GraspSet read(const std::string& csv_path, double min_quality, Diagnostics& diagnostics);
 
   const std::vector<Grasp>& valid() const { return valid_; }
+
+  /// What the graph may choose from: every valid grasp, straight and flipped, by row, unless
+  /// keepLike() has taken some out.
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+
+  /// Takes out candidates that are farther from a person's grasp than its nearest() is by
+  /// kFartherDistance or kFartherAngle: they may cost the robot less, but are not what was
+  /// shown. sigma_t in m, sigma_r in rad.
+  void keepLike(const Pose& object_T_hand, double sigma_t, double sigma_r);
 
   /// The choice with the least |t|^2 / sigma_t^2 + |angle|^2 / sigma_r^2, where
   /// [t; angle] = poseError(object_T_gripper^-1 * grasp), in m and rad. Ties go
@@ -54,6 +74,7 @@ class GraspSet {
 
  private:
   std::vector<Grasp> valid_;
+  std::vector<Candidate> candidates_;
 };
 
 /// A grasp turned by 180 degrees about its x axis.

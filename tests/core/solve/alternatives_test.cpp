@@ -93,6 +93,42 @@ TEST(Alternatives, TheBestOfAllChoicesIsFound) {
   EXPECT_GE(poor, 5) << "the nearest choice is hardly ever poor: nothing was tested";
 }
 
+/// Other edges that choose make valleys: a chain's points are at the nearest of three anchors.
+TestGraph valleys(const Chain& chain, std::uint64_t seed, int only = -1) {
+  TestGraph g = chain.graph(only);
+  std::mt19937_64 random(seed + 1000);
+  for (int i = 1; i < Chain::kPoints; ++i) {
+    std::vector<double> anchors(6);
+    for (double& a : anchors) a = uniform(random, -2, 2);
+    g.edge("TEST_NEAREST", {i}, anchors, {2, 0, 2});
+  }
+  return g;
+}
+
+/// Which valley a choice ends in depends on where it begins: attempts begin where the solve
+/// did, as if there was no other choice.
+TEST(Alternatives, NoChoiceAloneLeadsLower) {
+  int poor = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const Chain chain(seed, 50);
+    double best = std::numeric_limits<double>::infinity();
+    for (int only = 0; only < 3; ++only) {
+      best = std::min(best, solved(valleys(chain, seed, only), 0));
+    }
+    Summary summary;
+    // What promises too little is not tried, and ends far above.
+    EXPECT_LE(solved(valleys(chain, seed), 100, &summary), best * (1 + 1e-12)) << "seed " << seed;
+    poor += summary.alternatives_taken > 0 ? 1 : 0;
+  }
+  EXPECT_GE(poor, 20) << "the nearest choice is hardly ever poor: nothing was tested";
+}
+
+TEST(Alternatives, AChoiceThatDoesNotHoldIsNotTaken) {
+  for (std::uint64_t seed = 1; seed <= 600; ++seed) {
+    solved(valleys(Chain(seed, 1), seed), 100);  // compares with new associations
+  }
+}
+
 /// Where the edge is soft, its point may leave the choice that was predicted to be best; the
 /// next best is then tried from where the first attempt began.
 TEST(Alternatives, ASecondChoiceFollowsAFirstThatFailed) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <random>
+#include <sstream>
 
 #include "tests/support/derivatives.hpp"
+#include "tests/support/test_data.hpp"
 #include "types_lfd/edges/grasp_edges.hpp"
 #include "types_lfd/edges/track_edges.hpp"
 
@@ -218,6 +221,60 @@ TEST_F(Edges, GraspQualityPicksTheNearestOfAllTurnedBothWays) {
       }
     }
     EXPECT_EQ(association[7], best_row);
+  }
+}
+
+TEST_F(Edges, GraspQualityChoosesAmongCandidatesOnly) {
+  std::vector<Grasp> grasps;
+  for (int i = 0; i < 12; ++i) {
+    grasps.push_back({Pose::fromArray(randomPose(0.05, 0.1).data()), 0.9, i});
+  }
+  GraspSet set(grasps);
+  set.keepLike(grasps[3].object_T_gripper, 1e-3, 1);  // nothing else within 5 mm
+  ASSERT_EQ(set.candidates().size(), 1u);
+  const Eigen::MatrixXd information = Eigen::MatrixXd::Identity(6, 6);
+  GraspQualityEdge edge;
+  std::get<0>(edge.resources) = &set;
+  double association[9] = {};
+  for (const Grasp& g : grasps) {
+    edge.associate(true, g.object_T_gripper, InformationBlock(information.data(), 6, 6),
+                   association);
+    EXPECT_EQ(association[7], 3);
+    EXPECT_EQ(association[8], 0);
+  }
+  double other[9] = {};
+  EXPECT_TRUE(edge.alternative(0, other));
+  EXPECT_EQ(other[7], 3);
+  EXPECT_FALSE(edge.alternative(1, other));
+}
+
+TEST(GraspSetResource, TakesAPersonsGrasp) {
+  const std::string folder = testing::makeTemporaryDirectory();
+  testing::writeTestFile(folder, "g.csv",
+                         "x,y,z,qx,qy,qz,qw,quality\n0,0,0,0,0,0,1,1\n1,0,0,0,0,0,1,1\n");
+  const auto load = [&](const std::string& text) {
+    std::istringstream stream(text);
+    const std::vector<std::string> tokens{std::istream_iterator<std::string>(stream), {}};
+    return ResourceTag<GraspSet>::load(folder, tokens)->candidates().size();
+  };
+  EXPECT_EQ(load("g.csv 0.5"), 4u);
+  EXPECT_EQ(load("g.csv 0.5 0.9 0 0 0 0 0 1 0.01 0.06"), 1u);
+  const std::pair<const char*, const char*> bad[] = {
+      {"g.csv", "expected a file and a minimum quality, then nothing or a pose and two sigmas"},
+      {"g.csv 0.5 0.9 0 0 0 0 0 1 0.01", "expected a file and a minimum quality, then"},
+      {"g.csv 0.5 x 0 0 0 0 0 1 0.01 0.06", "'x' is not a number"},
+      {"g.csv 0.5 0.9 0 0 0 0 0 2 0.01 0.06", "the grasp's quaternion has length 2"},
+      {"g.csv 0.5 0.9 0 0 0 0 0 0 0.01 0.06", "the grasp's quaternion has length 0"},
+      {"g.csv 0.5 0.9 0 0 0 0 0 1 0 0.06", "the sigmas are 0 and 0.06"},
+      {"g.csv 0.5 0.9 0 0 0 0 0 1 0.01 -1", "the sigmas are 0.01 and -1"}};
+  for (const auto& [text, message] : bad) {
+    try {
+      load(text);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos)
+          << text << ": " << error.what();
+    }
   }
 }
 

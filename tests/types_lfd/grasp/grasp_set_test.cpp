@@ -156,6 +156,49 @@ TEST(GraspSet, TiesGoToTheLowerRowUnflipped) {
   EXPECT_EQ(GraspSet().nearest(g, 0.01, 0.1).index, -1);
 }
 
+TEST(GraspSet, KeepsCandidatesThatAreHardlyFartherThanTheNearest) {
+  std::mt19937_64 random(5);
+  std::vector<Grasp> grasps;
+  for (int i = 0; i < 60; ++i) grasps.push_back({randomPose(random, 0.02, 0.3), 0.9, 2 * i});
+  const auto offset = [](const Pose& a, const Pose& b) {
+    const Eigen::AngleAxisd turn(a.rotation.conjugate() * b.rotation);
+    return std::make_pair((a.translation - b.translation).norm(), turn.angle());
+  };
+  std::size_t kept = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const bool turned = trial % 2 != 0;
+    const Pose hand = randomPose(random, 0.02, 0.3);
+    const Pose shown = turned ? flippedGrasp(hand) : hand;
+    GraspSet set(grasps);
+    ASSERT_EQ(set.candidates().size(), 120u);
+    std::pair<double, double> near(0, 0);
+    double least = 1e300;
+    for (const GraspSet::Candidate& c : set.candidates()) {
+      const auto o = offset(shown, c.object_T_gripper);
+      const double cost = std::pow(o.first / 0.01, 2) + std::pow(o.second / 0.06, 2);
+      if (cost < least) near = o;
+      least = std::min(least, cost);
+    }
+    std::vector<std::pair<int, bool>> expected;
+    for (const GraspSet::Candidate& c : set.candidates()) {
+      const auto o = offset(shown, c.object_T_gripper);
+      if (o.first > near.first + 0.005 || o.second > near.second + 2 * kPi / 180) continue;
+      expected.emplace_back(c.row, c.flipped);
+    }
+    set.keepLike(shown, 0.01, 0.06);
+    std::vector<std::pair<int, bool>> found;
+    for (const GraspSet::Candidate& c : set.candidates()) {
+      found.emplace_back(c.row, c.flipped);
+      EXPECT_EQ(c.flipped, turned);
+    }
+    EXPECT_EQ(found, expected) << trial;
+    EXPECT_EQ(set.valid().size(), 60u) << "they remain valid";
+    kept += found.size();
+  }
+  EXPECT_GT(kept, 60u) << "the nearest alone hardly tests anything";
+  EXPECT_LT(kept, 1000u);
+}
+
 TEST(GraspSet, ReadsTheSharedTasks) {
   for (const char* task :
        {"room_door", "swivel_door", "drawer", "sliding_door", "mocap_suitcase"}) {
