@@ -8,12 +8,13 @@ import math
 import os
 import re
 import shutil
+import subprocess
 import unittest
 
 import bounds
 from files import Task
 from floor_map import FloorMap
-from program import PROGRAM, FolderTest
+from program import BUILD, PROGRAM, FolderTest
 from verify_result import verify
 
 
@@ -159,6 +160,20 @@ class TaughtDrawer(ResultTest):
         with open(path, "w", encoding="utf-8") as file:
             json.dump(metrics, file)
         self.expect_found("e1_per_dof", "tuples")
+
+
+class TaughtSwivelDoor(ResultTest):
+    def test_is_true_of_an_outlier_at_a_tracks_end_and_a_second_grasp(self):
+        self.must_run("teach", "swivel_door", "--seed", "45", "-o", self.path("door"))
+        task = self.path("door", "task.xml")
+        self.must_run("learn", task, "-o", self.path("learned"))
+        self.expect_true(task, self.path("learned"))
+        with open(self.path("learned", "metrics.json"), encoding="utf-8") as file:
+            chi2 = json.load(file)["chi2_final"]
+        alone = subprocess.run([os.path.join(BUILD, "bin", "graft"), "optimize",
+                                self.path("learned", "graph.g2o"), "--alternatives", "0",
+                                "--json", "-"], capture_output=True, text=True, check=True)
+        self.assertGreater(json.loads(alone.stdout)["chi2_final"], chi2 * (1 + 1e-5))
 
 
 class SharedTasks(ResultTest):
