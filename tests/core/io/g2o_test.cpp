@@ -259,6 +259,13 @@ TEST(G2o, KernelsAndLevelsBelongToTheEdgeBefore) {
   EXPECT_STREQ(loaded.graph.kernels()[std::size_t(block.kernels[1])].type->name, "Cauchy");
   EXPECT_EQ(block.kernels[2], -1);
   EXPECT_EQ(block.kernels[3], -1);
+  // Kernels are shared where name and width are the same, not one of them.
+  const std::string edge = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n";
+  const std::string vertices = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n";
+  const LoadedGraph many =
+      load(vertices + edge + "ROBUST_KERNEL Huber 1.5\n" + edge + "ROBUST_KERNEL Huber 2\n" + edge +
+           "ROBUST_KERNEL Cauchy 1.5\n" + edge + "ROBUST_KERNEL Huber 1.5\n");
+  EXPECT_EQ(many.graph.edgeBlocks().front().kernels, (std::vector<std::int32_t>{0, 1, 2, 0}));
   const std::string written = rewritten(text);
   EXPECT_EQ(rewritten(written), written);
   // The two edges that differ in their level alone are written by rising level.

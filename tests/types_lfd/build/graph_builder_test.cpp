@@ -181,6 +181,13 @@ struct LongestSteps {
   double by_torso = 0;
 };
 
+struct Free : BaseFilter {
+  explicit Free(const FootprintChecker& checker) : footprint(&checker) {}
+  bool isFree(const Pose2& base) const override { return !footprint->inCollision(base); }
+  const FootprintChecker* footprint;
+};
+
+/// Every base is the nearest to its neighbour's that reaches and is free, from the grasp on.
 LongestSteps checkStarts(const std::string& task) {
   Diagnostics diagnostics;
   const PreparedTask prepared = prepareTask(task, diagnostics);
@@ -189,6 +196,8 @@ LongestSteps checkStarts(const std::string& task) {
   EXPECT_EQ(starts.size(), prepared.demonstrations.size());
   const Sigma& metric = prepared.weights.reachability;
   const auto way = [](const Pose2& a, const Pose2& b) { return std::hypot(b.x - a.x, b.y - a.y); };
+  const auto numbersOf = [](const Pose2& p) { return std::vector<double>{p.x, p.y, p.theta}; };
+  const Free free(*scene.footprint);
   LongestSteps longest;
   for (std::size_t d = 0; d < starts.size(); ++d) {
     const PreparedDemonstration& demo = prepared.demonstrations[d];
@@ -199,6 +208,10 @@ LongestSteps checkStarts(const std::string& task) {
       EXPECT_TRUE(scene.reach->contains(gripper, starts[d][i])) << demo.matched.name << " " << i;
       EXPECT_FALSE(scene.footprint->inCollision(starts[d][i])) << demo.matched.name << " " << i;
       const Pose2 torso = uprightBase(demo.matched.torso.poses[i]);
+      const std::size_t grasp = demo.segments.grasp;
+      const Pose2& to = i == grasp ? torso : starts[d][i < grasp ? i + 1 : i - 1];
+      const Pose2 expected = scene.reach->nearest(gripper, to, metric.t, metric.r, &free).base;
+      EXPECT_EQ(numbersOf(starts[d][i]), numbersOf(expected)) << demo.matched.name << " " << i;
       const Pose2 nearest = scene.reach->nearest(gripper, torso, metric.t, metric.r).base;
       if (i > 0) {
         longest.start = std::max(longest.start, way(starts[d][i - 1], starts[d][i]));

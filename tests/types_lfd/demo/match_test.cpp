@@ -107,8 +107,26 @@ TEST(MatchTracks, RefusesTracksWithoutTwoCommonStamps) {
   }
   demonstration.object = sampled({4.5, 5});
   EXPECT_THROW(matchTracks(demonstration), Error);
-  demonstration.object = {};
-  EXPECT_THROW(matchTracks(demonstration), Error);
+}
+
+TEST(MatchTracks, NeedsHandAndObjectButOnePoseMayDo) {
+  for (const bool hand : {true, false}) {
+    Demonstration demonstration = threeTracks();
+    Trajectory& track = hand ? demonstration.hand : demonstration.object;
+    const auto message = [&] {
+      try {
+        matchTracks(demonstration);
+      } catch (const Error& error) {
+        return std::string(error.what());
+      }
+      return std::string();
+    };
+    const std::string missing = "demonstration 'd': hand and object must be recorded";
+    track = sampled({2});
+    EXPECT_EQ(message().find(missing), std::string::npos) << message();
+    track = {};
+    EXPECT_EQ(message().rfind(missing, 0), 0u) << message();
+  }
 }
 
 TEST(Summarize, FindsRateAndLongestGap) {
