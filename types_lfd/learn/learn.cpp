@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/base/text.hpp"
 #include "core/io/g2o_writer.hpp"
 #include "core/io/graph_builder.hpp"
 #include "core/solve/covariance.hpp"
@@ -151,6 +152,19 @@ void extractGrasp(const Extractor& extractor, const Values& values, const Graph&
   for (std::size_t k = 0; k < blocks.size(); ++k) grasp.covariance[names[k]] = blocks[k];
 }
 
+/// Says where the grasp is not the one that the optimizer went to at first.
+void noteOtherGrasp(const LearnResult& result, Diagnostics& diagnostics) {
+  double gain = 0;
+  for (const IterationRecord& record : result.summary.iterations) {
+    if (record.alternative) gain += record.chi2_change;
+  }
+  if (!(gain > 0)) return;
+  diagnostics.note({}, "grasp: row " + std::to_string(result.grasp.row) + " lowers chi2 by " +
+                           formatDouble(std::round(100 * gain) / 100) +
+                           " against the one nearest to the person's (" +
+                           std::to_string(result.summary.alternatives_tried) + " tried)");
+}
+
 /// The last step: bases where the arm reaches and nothing is hit, with the arm's
 /// configurations.
 void refine(LearnResult& result, const LearnOptions& options, Diagnostics& diagnostics) {
@@ -279,6 +293,7 @@ LearnResult learn(const RecordedTask& recorded, std::size_t mode,
       double(result.refinement.solved) / double(result.refinement.tuples);
   result.residual_per_dof = observationResidualPerDof(result.task.demonstrations, result.after);
   extractGrasp(extractor, loaded.values, loaded.graph, options.threads, result);
+  noteOtherGrasp(result, diagnostics);
   phases.begin("fit");
   result.model = fitMotionModel(result.task.task.name, result.after, diagnostics);
   phases.end();
