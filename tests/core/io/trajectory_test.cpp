@@ -33,6 +33,11 @@ TEST(ReadTrackCsv, TakesColumnsByNameInAnyOrder) {
   const Read mixed = read("b.CSV",
                           "\xEF\xBB\xBF# a comment\r\nqw, qz ,frame,z,y,x,qy,qx,timestamp,speed\r\n"
                           "\r\n0.8,0.6,map,3,2,1,0,0, 1.5 ,\r\n1,0,map,6,5,4,0,0,+2.5,9\r\n");
+  ASSERT_EQ(tum.track.size(), 2u);
+  EXPECT_EQ(tum.track.times, (std::vector<double>{1.5, 2.5}));
+  EXPECT_EQ(tum.track.poses[0].translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(tum.track.poses[0].rotation.coeffs(), Eigen::Vector4d(0, 0, 0.6, 0.8));
+  EXPECT_EQ(tum.track.poses[1].translation, Eigen::Vector3d(4, 5, 6));
   EXPECT_EQ(formatTum(csv.track), formatTum(tum.track));
   EXPECT_EQ(formatTum(mixed.track), formatTum(tum.track));
   EXPECT_EQ(csv.messages, "");

@@ -70,6 +70,20 @@ TEST(MapReader, KnowsOtherSpellings) {
   EXPECT_EQ(map.origin().x, -1);
 }
 
+TEST(MapReader, QuotesKeepANumberSign) {
+  for (const char* quote : {"\"", "'"}) {
+    const std::string directory = makeTemporaryDirectory();
+    writeTestFile(directory, "floor #1.pgm", kPgm);
+    Diagnostics diagnostics;
+    const OccupancyMap map = OccupancyMap::read(
+        writeTestFile(directory, "m.yaml",
+                      changed("m.pgm", std::string(quote) + "floor #1.pgm" + quote + " # beside")),
+        diagnostics);
+    EXPECT_EQ(diagnostics.text(), "");
+    EXPECT_EQ(map.width(), 3) << quote;
+  }
+}
+
 TEST(MapReader, ScalesByMaxval) {
   Diagnostics diagnostics;
   EXPECT_EQ(picture(readText(kYaml, "P2 3 1 15 0 15 8", diagnostics)), "#.u/");
