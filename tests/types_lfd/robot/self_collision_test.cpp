@@ -275,6 +275,7 @@ TEST(Srdf, BadInputsAreNamed) {
                model, diagnostics);
   ASSERT_FALSE(diagnostics.lines().empty());
   EXPECT_EQ(diagnostics.lines().back(), "a.srdf:2: warning: the URDF has no link 'tail'");
+  EXPECT_EQ(diagnostics.text().find("no link 'base'"), std::string::npos) << diagnostics.text();
 }
 
 }  // namespace
