@@ -136,11 +136,6 @@ Evaluation Linearizer::associate(State& state, std::int64_t& changed) const {
   return evaluation;
 }
 
-void Linearizer::hold(const EdgePlace* edge) {
-  held_.reset();
-  if (edge != nullptr) held_ = *edge;
-}
-
 Evaluation Linearizer::associateAll(State& state, bool first, std::int64_t& changed) const {
   if (!has_associations_) return {};
   std::vector<std::int64_t> counts(chunks_.size(), 0);

@@ -50,8 +50,8 @@ class Linearizer {
   Evaluation squaredErrors(const State& state, std::vector<std::vector<double>>& squares) const;
   /// Chooses associations anew at the state's estimates; adds to `changed`.
   Evaluation associate(State& state, std::int64_t& changed) const;
-  /// From now on associate() leaves the association of this edge as it is; null = of none.
-  void hold(const EdgePlace* edge);
+  /// From now on associate() leaves the association of this edge, if any, as it is.
+  void hold(std::optional<EdgePlace> edge) { held_ = edge; }
   /// Gives every edge of `state` the association of `other` where its squared error at
   /// the state's estimates is greater by that; appends those to `taken`.
   Evaluation takeGreater(State& state, const State& other, std::vector<EdgePlace>& taken) const;

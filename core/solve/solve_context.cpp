@@ -149,7 +149,7 @@ bool SolveContext::solve(const std::vector<double>& b, std::vector<double>& x) {
 
 bool SolveContext::hold(State state, const EdgePlace& edge,
                         const std::vector<double>& association) {
-  linearizer_.hold(&edge);
+  linearizer_.hold(edge);
   std::copy(
       association.begin(), association.end(),
       state.associations[edge.first].begin() + std::ptrdiff_t(edge.second * association.size()));
@@ -159,7 +159,7 @@ bool SolveContext::hold(State state, const EdgePlace& edge,
 }
 
 bool SolveContext::release() {
-  linearizer_.hold(nullptr);
+  linearizer_.hold(std::nullopt);
   trial_ = state_;
   std::int64_t changed = 0;
   return linearizer_.associate(trial_, changed).ok() && changed == 0;

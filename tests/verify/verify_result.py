@@ -8,6 +8,7 @@ Prints one line a check; exit code 1 if any disagrees."""
 import argparse
 import math
 import os
+import re
 import subprocess
 import sys
 
@@ -193,14 +194,21 @@ def check_observations(report, folder, demos, written):
     report.equal("e1_per_dof", own, written["e1_per_dof"], 1e-9 * max(1, own))
 
 
-def dropped_before(raw, start):
-    """How many poses a track lost to begin at `start`; None if none begins there. An
-    outlier may be the first pose, but not the first of many."""
-    counts = [stamps.index(start) for stamps, _ in raw.values() if start in stamps]
-    return min((n for n in counts if n <= 3), default=None)
+def said_to_be_dropped(messages, demo):
+    """How many poses of each track of a demonstration the program says it dropped."""
+    text = " ".join(m for m in messages if f" {demo}: " in m)
+    return {entity: int(n) for entity, n in re.findall(r"(\w+): (\d+) of \d+ poses dropped", text)}
 
 
-def check_matching(report, task, demos):
+def dropped_before(raw, start, said):
+    """How many poses a track lost to begin at `start`, no more than it is said to have
+    lost; None if none begins there."""
+    counts = [stamps.index(start) for entity, (stamps, _) in raw.items()
+              if start in stamps and stamps.index(start) <= said.get(entity, 0)]
+    return min(counts, default=None)
+
+
+def check_matching(report, task, demos, messages):
     """The matched input (iterations/0) against the recorded tracks: the stamps
     are the union within the common span; recorded poses stay, but for dropped
     outliers; between them poses are interpolated."""
@@ -211,11 +219,12 @@ def check_matching(report, task, demos):
                for entity in task.demonstrations[demo.name]}
         first = max(stamps[0] for stamps, _ in raw.values())
         last = min(stamps[-1] for stamps, _ in raw.values())
-        if first < demo.stamps[0] and (lost := dropped_before(raw, demo.stamps[0])):
+        said = said_to_be_dropped(messages, demo.name)
+        if first < demo.stamps[0] and (lost := dropped_before(raw, demo.stamps[0], said)):
             first = demo.stamps[0]
             dropped += lost
         back = {entity: (stamps[::-1], track) for entity, (stamps, track) in raw.items()}
-        if last > demo.stamps[-1] and (lost := dropped_before(back, demo.stamps[-1])):
+        if last > demo.stamps[-1] and (lost := dropped_before(back, demo.stamps[-1], said)):
             last = demo.stamps[-1]
             dropped += lost
         union = sorted({t for stamps, _ in raw.values() for t in stamps if first <= t <= last})
@@ -302,7 +311,7 @@ def verify(task_path, folder, program=None, out=sys.stdout):
     check_observations(report, folder, after, metrics)
     if os.path.isdir(os.path.join(folder, "iterations", "0")):
         before = demonstrations(os.path.join("iterations", "0"))
-        check_matching(report, task, before)
+        check_matching(report, task, before, metrics["messages"])
         check_table(report, "before", table(before, grasps, floor_map, metric, True),
                     metrics["table1"]["before"])
     else:

@@ -55,7 +55,11 @@ class Builder {
  public:
   Builder(const PreparedTask& prepared, const ResourceFiles& files,
           const std::vector<std::vector<Pose2>>& bases)
-      : prepared_(prepared), w_(prepared.weights), bases_(bases), layout_(prepared.demonstrations) {
+      : prepared_(prepared),
+        w_(prepared.weights),
+        bases_(bases),
+        layout_(prepared.demonstrations),
+        mean_grasp_(meanGrasp()) {
     addResources(files);
     addGraspVertices();
     for (std::size_t d = 0; d < prepared_.demonstrations.size(); ++d) addDemonstration(d);
@@ -82,7 +86,7 @@ class Builder {
 
   void addResources(const ResourceFiles& files) {
     std::vector<std::string> grasps{files.grasps, formatDouble(prepared_.task.min_quality)};
-    for (const double x : numbers(meanGrasp())) grasps.push_back(formatDouble(x));
+    for (const double x : numbers(mean_grasp_)) grasps.push_back(formatDouble(x));
     grasps.push_back(formatDouble(w_.grasp_quality.t));
     grasps.push_back(formatDouble(w_.grasp_quality.r));
     graph_.resources.push_back({"LFD_GRASP_SET", kGraspSet, grasps});
@@ -107,9 +111,8 @@ class Builder {
   }
 
   void addGraspVertices() {
-    const Pose mean = meanGrasp();
-    addPose(GraphLayout::kHumanGrasp, mean);
-    addPose(GraphLayout::kRobotGrasp, mean);
+    addPose(GraphLayout::kHumanGrasp, mean_grasp_);
+    addPose(GraphLayout::kRobotGrasp, mean_grasp_);
     for (std::size_t d = 0; d < prepared_.demonstrations.size(); ++d) {
       addPose(layout_.handToGripper(d), demo(d).hand_turned ? flippedGrasp(Pose()) : Pose());
     }
@@ -256,6 +259,7 @@ class Builder {
   const Weights& w_;
   const std::vector<std::vector<Pose2>>& bases_;
   GraphLayout layout_;
+  Pose mean_grasp_;
   GraphDescription graph_;
 };
 
